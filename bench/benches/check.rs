@@ -15,25 +15,27 @@ use std::process::Command;
 #[global_allocator]
 static ALLOCATOR: MiMalloc = MiMalloc;
 
-/// Argument with which this program checks a file and prints the cost.
+/// First argument with which this benchmark starts itself as a process that checks a file and prints the cost.
 const CHILD: &str = "check-child";
 
-/// Argument with which this program prints a generated program; its shape and its size follow.
+/// First argument with which this benchmark prints a generated program; the shape and the size of the program follow.
 const PRINT: &str = "program";
 
-/// Sizes in equations; the limits apply to the last one.
+/// Sizes of the generated programs, in equations. The limits apply to the last size.
 const SIZES: [usize; 3] = [1_000, 10_000, 100_000];
 
-/// Limits for 100 000 equations: milliseconds and megabytes.
+/// Limits for checking a program of 100 000 equations: processor time in milliseconds, and resident memory in
+/// megabytes.
 const LIMITS: (f64, f64) = (1_000.0, 500.0);
 
-/// Limit in milliseconds for a file of 300 lines with the modules that it uses.
+/// Limit of the processor time in milliseconds for checking a file of 300 lines with the modules that it uses.
 const FILE_LIMIT_MS: f64 = 5.0;
 
-/// Number of times that the file is checked in one process.
+/// Number of times that one process checks the file of 300 lines. The fastest check counts.
 const REPETITIONS: usize = 50;
 
-/// Cost of a process.
+/// Cost of a process that checks a program: processor time in milliseconds, resident memory in megabytes, and the
+/// number of reported diagnostics.
 #[derive(Clone, Copy)]
 struct Cost {
     ms: f64,
@@ -55,7 +57,8 @@ fn main() {
     done.unwrap_or_else(|error| eprintln!("{error}"));
 }
 
-/// Measures sound and faulty programs of three sizes, then a hand-written file.
+/// Measures programs with and without errors in three sizes, then a hand-written file, and prints the table. Only rows
+/// whose names contain one of `names` are measured; without names, all rows.
 fn measure(names: Vec<String>) -> Result<(), String> {
     let dir = tempfile::tempdir().map_err(|e| e.to_string())?;
     let mut table = Table::new(names);
@@ -100,7 +103,8 @@ fn measure_shape(table: &mut Table, dir: &Path, shape: &Shape, name: &str) -> Re
     Ok(())
 }
 
-/// Measures the largest module of the library as a program of its own, checked repeatedly in one process.
+/// Measures the check of the largest module of the library as a program of its own, repeatedly in one process, and adds
+/// the fastest check to the table. `dir` is a temporary folder.
 fn measure_library(table: &mut Table, dir: &Path, name: &str) -> Result<(), String> {
     let text = rpi_bench::program::library_program();
     let path = dir.join("written.rpi");
@@ -118,7 +122,8 @@ fn measure_library(table: &mut Table, dir: &Path, name: &str) -> Result<(), Stri
     Ok(())
 }
 
-/// The best of three processes that check a text.
+/// Returns the cost of the fastest of three processes that check `text`. `path` is the file to which the text is
+/// written.
 fn best(path: &Path, text: &str) -> Result<Cost, String> {
     std::fs::write(path, text).map_err(|e| e.to_string())?;
     let mut best = child(path)?;
@@ -147,8 +152,8 @@ fn child(path: &Path) -> Result<Cost, String> {
     }
 }
 
-/// Does the same as `rpic check`, and prints milliseconds of processor time, resident megabytes and the number of
-/// diagnostics.
+/// Checks a program like `rpic check`, and prints the processor time in milliseconds, the resident memory in megabytes,
+/// and the number of diagnostics.
 fn check_and_print(path: &Path) -> Result<(), String> {
     let input = rpi_driver::read(path).map_err(|e| e.to_string())?;
     let compiled = rpi_driver::compile(&input).map_err(|e| e.to_string())?;
@@ -160,7 +165,7 @@ fn check_and_print(path: &Path) -> Result<(), String> {
     Ok(())
 }
 
-/// Prints the program of a shape (`chain.lus`) and size.
+/// Prints the generated program of a shape, such as `chain.lus`, with about `size` equations.
 fn print(shape: &str, size: usize) -> Result<(), String> {
     let named = |s: &&Shape| format!("{}.{}", s.name, s.extension) == shape;
     match VALID.iter().chain(INVALID).find(named) {

@@ -2,14 +2,14 @@
 
 use std::fmt;
 
-/// Reason why a net could not be run, or the first difference between two runs.
+/// Reason why a benchmark could not run a net, or description of the first difference between two runs.
 #[derive(Clone, PartialEq, Eq, Debug)]
 pub struct BenchError {
     message: String,
 }
 
 impl BenchError {
-    /// An error with this message.
+    /// Creates an error whose text is `message`.
     #[must_use]
     pub fn new(message: impl Into<String>) -> Self {
         BenchError {
@@ -17,7 +17,7 @@ impl BenchError {
         }
     }
 
-    /// An error with the text of its cause.
+    /// Creates an error with the text of another error.
     pub(crate) fn from_cause(cause: impl fmt::Display) -> Self {
         BenchError::new(cause.to_string())
     }

@@ -5,21 +5,21 @@
 
 use rustix::time::{ClockId, clock_gettime};
 
-/// Processor time of the calling thread so far, in nanoseconds.
+/// Returns the processor time of the calling thread since its start, in nanoseconds.
 #[must_use]
 pub fn thread_ns() -> f64 {
     let t = clock_gettime(ClockId::ThreadCPUTime);
     t.tv_sec as f64 * 1e9 + t.tv_nsec as f64
 }
 
-/// Processor time of this process so far, in nanoseconds, all threads together.
+/// Returns the processor time of all threads of this process since its start, in nanoseconds.
 #[must_use]
 pub fn process_ns() -> f64 {
     let t = clock_gettime(ClockId::ProcessCPUTime);
     t.tv_sec as f64 * 1e9 + t.tv_nsec as f64
 }
 
-/// Result of `run`, and the processor time of this thread for it, in nanoseconds.
+/// Calls `run`. Returns its result and the processor time of this thread for the call, in nanoseconds.
 pub fn timed<T>(run: impl FnOnce() -> T) -> (T, f64) {
     let start = thread_ns();
     let result = run();

@@ -5,46 +5,46 @@ use rpi_device::{DeviceBank, PortId, PortQuery, Rejection, ResolveError};
 use rpi_image::hash::Fnv1a;
 use rpi_image::{Scalar, Type};
 
-/// Device port with its kind resolved: the type of its values and a hash of its name.
+/// Device port that a command uses: its name with device and index, the type of its values, and a hash of the name.
 #[derive(Clone, Debug)]
 struct Port {
     name: String,
     ty: Type,
-    /// Hash of the name, so that different ports return different numbers.
+    /// Hash of the name. The values of the port depend on it, so that different ports return different values.
     hash: u64,
 }
 
-/// A device bank with every possible device. It is deterministic: after the same calls, two banks return the same
-/// values.
+/// Simulated set of devices in which every device and every port exists. It is deterministic: after the same calls, two
+/// instances return the same values.
 #[derive(Clone, Debug, Default)]
 pub struct FakeDevices {
     ports: Vec<Port>,
     cycle: u64,
     written: Fnv1a,
-    /// Number of set-points written.
+    /// Number of set-points that have been written to all ports.
     pub writes: u64,
 }
 
 impl FakeDevices {
-    /// A bank in cycle 0.
+    /// Creates the devices in cycle 0.
     #[must_use]
     pub fn new() -> Self {
         FakeDevices::default()
     }
 
-    /// Starts the next cycle, which changes all sensors.
+    /// Starts the next cycle, in which all sensors have other values.
     pub fn advance(&mut self) {
         self.cycle += 1;
     }
 
-    /// Hash of all set-points so far, in order.
+    /// Returns the hash of all set-points that have been written so far, in order.
     #[must_use]
     pub fn set_point_hash(&self) -> u64 {
         self.written.finish()
     }
 }
 
-/// Fills memory slots with a valid value of the type.
+/// Fills memory slots with a valid value of type `ty`, which depends on `seed`.
 fn fill(cells: &mut [u64], ty: Type, seed: u64) {
     let scalar = match ty {
         Type::Scalar(s) | Type::Array(s, _) => s,
@@ -64,7 +64,8 @@ fn fill(cells: &mut [u64], ty: Type, seed: u64) {
     }
 }
 
-/// A periodic wave between -1 and 1. It uses only basic arithmetic, so that it gives the same bits on every machine.
+/// Returns the value of a periodic function between -1 and 1 at `x`. The function uses only basic arithmetic, so that
+/// it gives the same bits on every machine.
 fn wave(x: f64) -> f64 {
     let t = (x / 3.2).fract() * 2.0 - 1.0;
     4.0 * t * (1.0 - t.abs())

@@ -15,15 +15,16 @@ use std::io::{BufRead, BufReader, Write};
 use std::path::Path;
 use std::process::{Child, ChildStdin, ChildStdout, Command, Stdio};
 
-/// Number of cycles that run before the first measured batch, so that caches and branch predictors are warm.
+/// Number of cycles that run before the first measured batch of cycles, so that caches and branch predictors are warm.
 const WARM_UP_CYCLES: u64 = 20;
 
-/// Value of the input `x` in a cycle; the C text and the interpreter get the same values.
+/// Returns the value of the input `x` of the measured net in a cycle: a sawtooth from -1 to 0.99 with a period of 200
+/// cycles. The net in C and the net in the interpreter get the same values.
 fn x(cycle: u64) -> f64 {
     (cycle % 200) as f64 * 0.01 - 1.0
 }
 
-/// A net with the input `x` and the export `y`, in the interpreter.
+/// Net with the input `x` and the export `y`, run by the interpreter.
 pub struct InterpretedNet {
     machine: Instance,
     cycle: u64,
@@ -45,7 +46,7 @@ impl InterpretedNet {
         Ok(ours)
     }
 
-    /// Runs a batch of cycles. Returns nanoseconds per cycle.
+    /// Runs a batch of cycles. Returns the processor time of a cycle in nanoseconds.
     pub fn batch(&mut self, cycles: u64) -> f64 {
         let ((), ns) = timed(|| (0..cycles).for_each(|_| self.step()));
         ns / cycles as f64
@@ -61,7 +62,7 @@ impl InterpretedNet {
         self.cycle += 1;
     }
 
-    /// Number of cycles so far, and the bits of `y` in the last one.
+    /// Returns the number of cycles so far, and the bits of the export `y` in the last cycle.
     #[must_use]
     pub fn last(&self) -> (u64, u64) {
         let exports = &self.machine.image().exports;
@@ -70,7 +71,7 @@ impl InterpretedNet {
     }
 }
 
-/// The net of [`InterpretedNet`] compiled by gcc, in a process that runs batches on request.
+/// Net compiled as C by gcc, as a process that runs batches of cycles on request: the reference for [`InterpretedNet`].
 pub struct CompiledNet {
     child: Child,
     requests: Option<ChildStdin>,
@@ -79,10 +80,11 @@ pub struct CompiledNet {
 }
 
 impl CompiledNet {
-    /// Compiles a net in the directory `dir`, starts the process and runs the warm-up cycles.
+    /// Compiles a net in the folder `dir`, starts the program and runs the warm-up cycles. The net must have the input
+    /// `x` and the export `y`.
     ///
     /// # Errors
-    /// Returns the reason for a failure, including a missing compiler.
+    /// Returns the reason of a failure, such as a missing compiler.
     pub fn new(net: &Net, dir: &Path) -> Result<CompiledNet, BenchError> {
         let program = compile(net, dir)?;
         let child = Command::new(program)
@@ -101,10 +103,10 @@ impl CompiledNet {
         Ok(gcc)
     }
 
-    /// Runs a batch of cycles. Returns nanoseconds per cycle.
+    /// Runs a batch of cycles. Returns the processor time of a cycle in nanoseconds.
     ///
     /// # Errors
-    /// The process does not answer.
+    /// Returns an error if the process does not answer.
     pub fn batch(&mut self, cycles: u64) -> Result<f64, BenchError> {
         let requests = self
             .requests
@@ -124,7 +126,7 @@ impl CompiledNet {
         Ok(ns)
     }
 
-    /// Number of cycles so far, and the bits of `y` in the last one.
+    /// Returns the number of cycles so far, and the bits of the export `y` in the last cycle.
     #[must_use]
     pub fn last(&self) -> (u64, u64) {
         self.last
@@ -139,10 +141,10 @@ impl Drop for CompiledNet {
     }
 }
 
-/// The net as C text.
+/// Returns a net as C source text.
 ///
 /// # Errors
-/// Returns the first operation without a C form, or the reason why the net has no schedule.
+/// Returns the first primitive that has no C form, or the reason why the net cannot be analysed.
 pub fn c_text(net: &Net) -> Result<String, BenchError> {
     let options = LowerOptions::running(1_000_000);
     let analysis = analyse(net.clone(), |_| false).map_err(BenchError::from_cause)?;
@@ -153,7 +155,7 @@ pub fn c_text(net: &Net) -> Result<String, BenchError> {
     })
 }
 
-/// Compiles a net with gcc. Returns the path of the program.
+/// Compiles a net with the C compiler in the folder `dir`. Returns the path of the program.
 fn compile(net: &Net, dir: &Path) -> Result<std::path::PathBuf, BenchError> {
     let (source, binary) = (dir.join("net.c"), dir.join("net"));
     std::fs::write(&source, c_text(net)? + C_MAIN).map_err(BenchError::from_cause)?;
@@ -177,8 +179,8 @@ fn compile(net: &Net, dir: &Path) -> Result<std::path::PathBuf, BenchError> {
     }
 }
 
-/// Main function of the compiled program: reads numbers of cycles, runs that many, and prints nanoseconds per cycle and
-/// the bits of `y`.
+/// Main function of the compiled program in C. It reads numbers from standard input, runs so many cycles, and prints
+/// nanoseconds per cycle and the bits of `y`.
 const C_MAIN: &str = r#"
 #include <stdio.h>
 #include <string.h>

@@ -9,7 +9,8 @@ use rpi_lower::{LowerOptions, Plan, lower};
 use rpi_net::Net;
 use rpi_net::passes::analyse;
 
-/// Runs the observed and the optimised image of a net side by side and compares all outputs.
+/// Runs two images of a net side by side and compares all outputs: one with observable ports, and one optimised for
+/// execution.
 ///
 /// # Errors
 /// Returns the first difference with its cycle, or the reason why the net could not be run.
@@ -27,38 +28,38 @@ pub fn compare(net: &Net, cycles: u64, period_ns: u64) -> Result<(), BenchError>
     Ok(())
 }
 
-/// Analyses and lowers a net.
+/// Analyses a net and lowers it to an image.
 ///
 /// # Errors
-/// Returns the reason why the net could not be lowered.
+/// Returns the reason why the net cannot be lowered.
 pub fn lower_net(net: &Net, options: &LowerOptions<'_>) -> Result<Image, BenchError> {
     let analysis = analyse(net.clone(), options.may_be_absent).map_err(BenchError::from_cause)?;
     let plan = Plan::from_analysis(&analysis).ok_or_else(|| BenchError::new("dependency cycle"))?;
     lower(&analysis.net, &plan, options).map_err(BenchError::from_cause)
 }
 
-/// An instance of a net's image with a device bank of its own, which is run cycle by cycle.
+/// Runner of the image of a net, with simulated devices of its own, cycle by cycle.
 pub struct Runner {
     machine: Instance,
     bank: FakeDevices,
 }
 
-/// Outputs of a command in one cycle.
+/// Outputs of a command in one cycle: end, exports and set-points.
 #[derive(Clone, PartialEq, Debug)]
 pub struct CycleOutputs {
-    /// How the command ends with this cycle.
+    /// Way in which the command ends after this cycle; `None` if it continues.
     pub verdict: Option<Verdict>,
-    /// Exports by key, including absent ones.
+    /// Exported flows: key, and value in memory slots (`None` if it is absent).
     pub exports: Vec<(String, Option<Vec<u64>>)>,
-    /// Hash of all set-points so far.
+    /// Hash of all set-points up to this cycle.
     pub set_point_hash: u64,
 }
 
 impl Runner {
-    /// Lowers, verifies and loads a net.
+    /// Lowers a net to an image, verifies and loads the image.
     ///
     /// # Errors
-    /// Returns the reason why the net could not be loaded.
+    /// Returns the reason why the net cannot be loaded.
     pub fn new(net: &Net, options: &LowerOptions<'_>) -> Result<Runner, BenchError> {
         let image = lower_net(net, options)?;
         let mut bank = FakeDevices::new();
@@ -70,7 +71,8 @@ impl Runner {
         Ok(Runner { machine, bank })
     }
 
-    /// Runs one cycle. `cancel`, `takeover` and `predecessor` vary with the number of the cycle.
+    /// Runs one cycle and returns its outputs. The flows `cancel`, `takeover` and `predecessor` vary with `cycle`, the
+    /// number of the cycle.
     pub fn cycle(&mut self, cycle: u64) -> CycleOutputs {
         let since = cycle * self.machine.image().period_ns;
         let context = CycleContext {
@@ -96,7 +98,7 @@ impl Runner {
         }
     }
 
-    /// The instance that is run.
+    /// Returns the running instance of the image.
     #[must_use]
     pub fn machine(&self) -> &Instance {
         &self.machine
@@ -104,7 +106,7 @@ impl Runner {
 }
 
 impl CycleOutputs {
-    /// Compares the outputs of two machines.
+    /// Compares these outputs with those of another run in the same cycle.
     ///
     /// # Errors
     /// Returns a description of the first difference.

@@ -9,15 +9,16 @@ use rpi_net::{
 };
 use rpi_prims::PrimId;
 
-/// A net under construction. Wrong names and types cause a panic, because the builder is for tests only.
+/// Builder of a net for tests and benchmarks. Unconnected in-ports and missing parameters have the defaults of the
+/// primitive. Wrong names and types cause a panic.
 #[derive(Clone, Debug)]
 pub struct NetBuilder {
-    /// The net as built so far.
+    /// Net with the parts that have been added so far.
     pub net: Net,
 }
 
 impl NetBuilder {
-    /// An empty net.
+    /// Creates a builder with an empty net of this name.
     #[must_use]
     pub fn new(name: &str) -> Self {
         NetBuilder {
@@ -25,19 +26,19 @@ impl NetBuilder {
         }
     }
 
-    /// Adds a node. `inputs` are connected to its in-ports in declaration order; the other in-ports and the parameters
-    /// take their defaults. Returns its first out-port.
+    /// Adds a node with the primitive named `prim` to a fragment. `inputs` are connected to its in-ports in declaration
+    /// order; the other in-ports and the parameters have their defaults. Returns the first out-port of the node.
     ///
     /// # Panics
-    /// If the primitive does not exist, or the inputs do not match it.
+    /// Panics if the primitive does not exist, or the inputs do not fit it.
     pub fn add(&mut self, fragment: FragmentId, prim: &str, inputs: &[Input]) -> PortRef {
         self.add_with(fragment, prim, inputs, &[])
     }
 
-    /// Adds a node with parameters by name; see [`NetBuilder::add`].
+    /// Adds a node like [`NetBuilder::add`], with values of parameters by their names.
     ///
     /// # Panics
-    /// If the primitive does not exist, or inputs or parameters do not match it.
+    /// Panics if the primitive does not exist, or inputs or parameters do not fit it.
     pub fn add_with(
         &mut self,
         fragment: FragmentId,
@@ -50,10 +51,10 @@ impl NetBuilder {
         self.node(fragment, &name, id, inputs, params)
     }
 
-    /// Adds a node with a name; see [`NetBuilder::add_with`].
+    /// Adds a node like [`NetBuilder::add_with`], with a name for the node.
     ///
     /// # Panics
-    /// If inputs or parameters do not match the primitive.
+    /// Panics if inputs or parameters do not fit the primitive.
     pub fn node(
         &mut self,
         fragment: FragmentId,
@@ -93,8 +94,8 @@ impl NetBuilder {
         PortRef { node, port: 0 }
     }
 
-    /// Adds a delay that is present from its first cycle on, to be connected later. `None` if no such delay exists for
-    /// the type.
+    /// Adds a delay whose output is present from the first cycle on, with an in-port to be connected by
+    /// [`NetBuilder::wire`]. Returns its out-port; `None` if no such delay exists for the type.
     pub fn total_delay(&mut self, fragment: FragmentId, scalar: Scalar) -> Option<PortRef> {
         let is_total_delay = |p: &rpi_prims::Prim| {
             p.desc.role == Role::Delay
@@ -105,7 +106,7 @@ impl NetBuilder {
         Some(self.add(fragment, prim.desc.name, &[]))
     }
 
-    /// Type of an input; `None` if it is open or has no type.
+    /// Returns the type of an input of a node; `None` if it is not connected, or is a text.
     #[must_use]
     pub fn ty(&self, input: &Input) -> Option<Type> {
         match input {
@@ -115,7 +116,7 @@ impl NetBuilder {
         }
     }
 
-    /// Adds a fragment inside `parent` that is active while `when` is true.
+    /// Adds a fragment inside the fragment `parent`. It is active in the cycles in which the Boolean `when` is true.
     pub fn fragment(
         &mut self,
         parent: FragmentId,
@@ -139,20 +140,20 @@ impl NetBuilder {
         })
     }
 
-    /// Connects an in-port of a node that has been added already. Used for feedback, where the source is added after
-    /// the reader.
+    /// Connects in-port number `port` of an existing node to `source`. Used for feedback, where the source is added
+    /// after the node that reads it.
     pub fn wire(&mut self, node: NodeId, port: usize, source: PortRef) {
         self.net.nodes[node.index()].inputs[port] = Input::Port(source);
     }
 
-    /// Exports a real under `key`.
+    /// Exports the real flow `source` under the name `key`.
     pub fn export(&mut self, key: &str, source: PortRef) {
         let params = [("Key", Value::Str(key.into()))];
         let inputs = [Input::Port(source)];
         self.add_with(FragmentId::ROOT, "Core::DoubleNetcommOut", &inputs, &params);
     }
 
-    /// Adds a named result.
+    /// Adds a named result: the command ends with it in a cycle in which the Boolean `when` is true.
     pub fn result(&mut self, name: &str, kind: ResultKind, when: PortRef) {
         let result = ResultPort {
             name: name.into(),
@@ -166,7 +167,7 @@ impl NetBuilder {
         }
     }
 
-    /// Ends the command when `when` is true.
+    /// Makes the command end in a cycle in which the Boolean `when` is true, without a named result.
     pub fn terminate(&mut self, when: PortRef) {
         self.net.termination = Termination::Ports {
             terminate: Some(Input::Port(when)),
@@ -175,13 +176,13 @@ impl NetBuilder {
     }
 }
 
-/// A real constant as an input.
+/// Returns a constant of type real as the input of a node.
 #[must_use]
 pub fn real(v: f64) -> Input {
     Input::constant(Value::real(v))
 }
 
-/// A Boolean constant as an input.
+/// Returns a Boolean constant as the input of a node.
 #[must_use]
 pub fn boolean(v: bool) -> Input {
     Input::constant(Value::bool(v))

@@ -1,17 +1,17 @@
 //! Pseudo-random numbers that are the same on every machine.
 
-/// A pseudo-random number generator: SplitMix64 (Steele, Lea, Flood 2014).
+/// Pseudo-random number generator SplitMix64 (Steele, Lea, Flood 2014).
 #[derive(Clone, Debug)]
 pub struct Rng(u64);
 
 impl Rng {
-    /// A generator with this seed.
+    /// Creates a generator. Equal seeds give equal sequences of numbers.
     #[must_use]
     pub const fn new(seed: u64) -> Self {
         Rng(seed)
     }
 
-    /// The next 64 random bits.
+    /// Returns the next 64 random bits.
     pub fn next_bits(&mut self) -> u64 {
         self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
         let mut z = self.0;
@@ -20,12 +20,12 @@ impl Rng {
         z ^ (z >> 31)
     }
 
-    /// A random number below `n`; 0 if `n` is 0.
+    /// Returns a random number from 0 to `n - 1`; 0 if `n` is 0.
     pub fn below(&mut self, n: usize) -> usize {
         (self.next_bits() % n.max(1) as u64) as usize
     }
 
-    /// A random real from `low` (inclusive) to `high` (exclusive).
+    /// Returns a random real from `low` (inclusive) to `high` (exclusive).
     pub fn real(&mut self, low: f64, high: f64) -> f64 {
         let unit = (self.next_bits() >> 11) as f64 / (1u64 << 53) as f64;
         low + unit * (high - low)

@@ -2,7 +2,7 @@
 
 use std::process::Command;
 
-/// Measured values and their limits.
+/// Table of a benchmark run: measured values with their limits.
 pub struct Table {
     filters: Vec<String>,
     rows: Vec<Row>,
@@ -17,7 +17,8 @@ struct Row {
 }
 
 impl Table {
-    /// A table of the rows whose names contain one of these words; of all rows without words.
+    /// Creates an empty table. Only rows whose names contain one of the texts `only` are measured; all rows if there
+    /// are no texts.
     #[must_use]
     pub fn new(only: Vec<String>) -> Self {
         let rows = Vec::new();
@@ -27,13 +28,14 @@ impl Table {
         }
     }
 
-    /// True if a row is to be measured.
+    /// Returns true if the row with this name is to be measured.
     #[must_use]
     pub fn is_selected(&self, name: &str) -> bool {
         self.filters.is_empty() || self.filters.iter().any(|o| name.contains(o.as_str()))
     }
 
-    /// Adds a row: a measured value and its limit.
+    /// Adds a row to the table and prints it to standard error. `bar` is the limit of the measured value, in the same
+    /// unit; `note` explains the value.
     pub fn add_row(&mut self, name: &str, value: f64, bar: f64, unit: &'static str, note: &str) {
         eprintln!("{name}: {value:.2} {unit} ({note})");
         self.rows.push(Row {
@@ -45,7 +47,7 @@ impl Table {
         });
     }
 
-    /// Prints all rows, after a line that describes the machine.
+    /// Prints a line that describes the machine, then all rows.
     pub fn print(&self) {
         println!("{}", machine());
         println!("Times are processor time of the measuring thread, the best of several tries.");
@@ -64,7 +66,7 @@ impl Table {
     }
 }
 
-/// Processor, number of cores, operating system and compiler.
+/// Returns a description of the machine: processor, number of cores, operating system and C compiler.
 fn machine() -> String {
     let info = std::fs::read_to_string("/proc/cpuinfo").unwrap_or_default();
     let model = info.lines().find(|l| l.starts_with("model name"));

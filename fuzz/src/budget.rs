@@ -6,27 +6,28 @@ use std::time::Duration;
 use cap::Cap;
 use rustix::time::{ClockId, clock_gettime};
 
-/// Largest CPU time for one input. CPU time is used because wall-clock time would include other processes.
+/// Maximum CPU time for one input. CPU time is measured because wall-clock time would include other processes.
 pub const CPU_BUDGET: Duration = Duration::from_secs(1);
 
-/// Largest memory for one input, in bytes, above what was allocated before.
+/// Maximum memory for one input in bytes (200 MiB), in addition to the memory allocated before.
 pub const MEMORY_BUDGET: usize = 200 << 20;
 
-/// Factor on the CPU budget. Instrumentation for a fuzzer makes the code three to five times slower. An input that is
-/// too slow with instrumentation is run again without it (`rpi-fuzz-again`), which decides.
+/// Factor on the CPU time budget in a build that is instrumented for a fuzzer, because such code is three to five times
+/// slower. An input that is too slow with instrumentation is run again without it (`rpi-fuzz-again`), which decides.
 const INSTRUMENTATION_FACTOR: u32 = if cfg!(feature = "counted") { 5 } else { 1 };
 
-/// Memory in bytes at which the process is aborted at once, to protect the machine.
+/// Number of allocated bytes (2 GiB) at which the process is aborted at once, to protect the machine.
 const HARD_MEMORY_LIMIT: usize = 2 << 30;
 
-/// Allocator that records the current and the highest number of allocated bytes.
+/// Global allocator that records the current and the highest number of allocated bytes.
 #[global_allocator]
 static ALLOCATOR: Cap<System> = Cap::new(System, HARD_MEMORY_LIMIT);
 
-/// Runs `work` within the budget. Not for concurrent use, because threads would share one budget.
+/// Runs `work` within the budget of time and memory for one input. Must not be used by several threads at once, because
+/// they would share one budget.
 ///
 /// # Panics
-/// If the work exceeds the budget.
+/// Panics if `work` exceeds the budget.
 pub fn run_within_budget(work: impl FnOnce()) {
     let (began, taken) = (cpu(), ALLOCATOR.allocated());
     work();

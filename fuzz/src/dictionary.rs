@@ -2,7 +2,7 @@
 
 use rpi_syntax::{KEYWORDS, symbols};
 
-/// Boundary values of numbers and related fragments, which the table does not contain.
+/// Words for the fuzzer in addition to keywords and operators: boundary values of numbers, units and array lengths.
 const NUMBERS: &[&str] = &[
     "0",
     "1",
@@ -22,13 +22,13 @@ const NUMBERS: &[&str] = &[
     "^1000000",
 ];
 
-/// Returns all keywords and operators of the language, and the boundary values.
+/// Returns the words of the fuzzing dictionary: all keywords and operators of the language, and the boundary values.
 pub(crate) fn dictionary_words() -> impl Iterator<Item = &'static str> {
     let words = KEYWORDS.iter().map(|word| word.text);
     words.chain(symbols()).chain(NUMBERS.iter().copied())
 }
 
-/// Returns the dictionary in the format of libFuzzer: one quoted word per line.
+/// Returns the fuzzing dictionary in the format of libFuzzer: one quoted word per line.
 #[must_use]
 pub fn dictionary() -> String {
     let line = |word: &str| format!("\"{}\"\n", word.replace('\\', "\\\\").replace('"', "\\\""));

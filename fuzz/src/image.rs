@@ -5,10 +5,11 @@ use rpi_image::text::print;
 use rpi_image::{Image, rpib, verify};
 use rpi_sim::{Cell, SimBank};
 
-/// Number of cycles for which an accepted image is run.
+/// Number of cycles for which an image that the verifier accepts is run.
 const CYCLES: usize = 8;
 
-/// Loads an image, once unchanged and once with a corrected checksum, and runs it if the verifier accepts it.
+/// Entry point of the fuzzer for image files: reads an image, once unchanged and once with a corrected checksum, and
+/// runs it if the verifier accepts it.
 pub(crate) fn load(input: &[u8]) {
     let _ = Image::from_bytes(input);
     let mut sealed = input.to_vec();
@@ -23,7 +24,7 @@ pub(crate) fn load(input: &[u8]) {
     }
 }
 
-/// Runs a verified image. It may fault, but must not panic or hang.
+/// Runs a verified image for some cycles. The run may end with a fault, but must not panic or hang.
 fn run(image: Image) {
     let Ok(cell) = Cell::parse("cell.toml", "") else {
         return;

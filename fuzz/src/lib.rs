@@ -9,6 +9,7 @@
 //! | `texts.rs` | lexer, parser and checker |
 //! | `net.rs` | importer |
 //! | `image.rs` | image loader |
+//! | `recording.rs` | recordings, traces and cell descriptions |
 //! | `current_input.rs` | file with the current input, for crashes |
 //! | `budget.rs` | one second and 200 MB |
 //! | `seeds.rs` | initial corpus: every program of the project |
@@ -21,6 +22,7 @@ mod dictionary;
 mod image;
 mod mutator;
 mod net;
+mod recording;
 mod seeds;
 mod texts;
 
@@ -30,18 +32,18 @@ pub use mutator::Mutator;
 pub use seeds::{Seed, saved_inputs};
 pub use texts::LUSTRE;
 
-/// Entry point of the product for untrusted input, which fuzzers call.
+/// Entry point of the product for untrusted input, which fuzzers call with mutated inputs.
 #[derive(Debug)]
 pub struct Entry {
-    /// Name of the fuzz target that calls the entry point.
+    /// Name of the entry point, and of the fuzz target that calls it.
     pub name: &'static str,
-    /// Function that processes one input.
+    /// Function that processes one input. It panics if the product handles the input wrongly.
     pub run: fn(&[u8]),
-    /// Function that returns the initial corpus.
+    /// Function that returns the initial corpus of inputs for the entry point.
     pub seeds: fn() -> Vec<Seed>,
 }
 
-/// All entry points, the one that runs the most code first.
+/// All entry points for fuzzers, the one that runs the most code first.
 pub const ENTRIES: &[Entry] = &[
     Entry {
         name: "checker",
@@ -59,6 +61,21 @@ pub const ENTRIES: &[Entry] = &[
         seeds: seeds::nets,
     },
     Entry {
+        name: "recording",
+        run: recording::read,
+        seeds: recording::seeds,
+    },
+    Entry {
+        name: "trace",
+        run: recording::parse_trace,
+        seeds: seeds::traces,
+    },
+    Entry {
+        name: "cell",
+        run: recording::parse_cell,
+        seeds: seeds::cells,
+    },
+    Entry {
         name: "parser",
         run: texts::parse,
         seeds: seeds::texts,
@@ -70,17 +87,17 @@ pub const ENTRIES: &[Entry] = &[
     },
 ];
 
-/// Returns the entry point of this name.
+/// Returns the entry point with this name; `None` if there is none.
 #[must_use]
 pub fn entry(name: &str) -> Option<&'static Entry> {
     ENTRIES.iter().find(|entry| entry.name == name)
 }
 
-/// Runs an input through the entry point of this name, within its budget. `RPI_FUZZ_LAST` names a file to which the
-/// input is saved first.
+/// Processes an input with the entry point `name`, within the budget of time and memory. If the environment variable
+/// `RPI_FUZZ_LAST` names a file, the input is saved there first.
 ///
 /// # Panics
-/// If there is no such entry point, if it panics, or if the budget is exceeded.
+/// Panics if there is no such entry point, if the entry point panics, or if the budget is exceeded.
 pub fn run(name: &str, input: &[u8]) {
     let entry = entry(name).unwrap_or_else(|| panic!("unknown entry point: {name}"));
     current_input::save(input);

@@ -3,20 +3,20 @@
 use crate::Seed;
 use crate::dictionary::dictionary_words;
 
-/// Generator of mutated inputs. Equal seeds give equal inputs.
+/// Generator of mutated inputs for an entry point. Equal seeds give equal sequences of inputs.
 #[derive(Clone, Debug)]
 pub struct Mutator {
     state: u64,
     words: Vec<&'static str>,
 }
 
-/// Largest length in bytes of a piece that is moved or removed.
+/// Maximum length in bytes of a piece of an input that a mutation copies, replaces or removes.
 const MAX_PIECE: usize = 64;
-/// Largest number of mutations of one input.
+/// Maximum number of mutations that one input gets.
 const MAX_MUTATIONS: usize = 4;
 
 impl Mutator {
-    /// Creates a generator. Its output depends on `seed` alone.
+    /// Creates a generator whose inputs depend on `seed` and on the corpus only.
     #[must_use]
     pub fn new(seed: u64) -> Mutator {
         Mutator {
@@ -25,7 +25,8 @@ impl Mutator {
         }
     }
 
-    /// Returns a random number below `end`, which must not be 0. SplitMix64 (Steele, Lea, Flood 2014).
+    /// Returns a random number from 0 to `end - 1`; `end` must not be 0. The generator is SplitMix64 (Steele, Lea,
+    /// Flood 2014).
     fn below(&mut self, end: usize) -> usize {
         self.state = self.state.wrapping_add(0x9e37_79b9_7f4a_7c15);
         let mut z = self.state;
@@ -34,7 +35,7 @@ impl Mutator {
         ((z ^ (z >> 31)) % end.max(1) as u64) as usize
     }
 
-    /// Returns one of the seeds with some mutations.
+    /// Returns one of the inputs `seeds` with one to four random mutations.
     pub fn next(&mut self, seeds: &[Seed]) -> Vec<u8> {
         let mut input = seeds[self.below(seeds.len())].bytes.clone();
         for _ in 0..=self.below(MAX_MUTATIONS) {

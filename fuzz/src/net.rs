@@ -4,7 +4,7 @@ use rpi_driver::{Input, InputKind, compile, import};
 
 use crate::texts::{check_lowering, check_rendering};
 
-/// Imports a net, checks it, writes it as a program, and lowers it.
+/// Entry point of the fuzzer for nets: imports a net, checks it, writes it as a program, and lowers it to an image.
 pub(crate) fn import(input: &[u8]) {
     let input = Input {
         path: "fuzz.rpinet".into(),

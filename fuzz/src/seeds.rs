@@ -10,23 +10,27 @@ use rpi_testkit::{files_below, workspace_root};
 
 use crate::texts::LUSTRE;
 
-/// Input of the initial corpus of a fuzzer.
+/// Input of the initial corpus of a fuzzer, from which mutations are made.
 #[derive(Clone, Debug)]
 pub struct Seed {
-    /// Origin of the input, as a file name.
+    /// Name of the file from which the input was made, with `-` between folders.
     pub name: String,
-    /// Bytes of the input.
+    /// Content of the input.
     pub bytes: Vec<u8>,
 }
 
-/// Folders that contain programs.
+/// Folders whose programs become inputs of the initial corpus.
 const FOLDERS: &[&str] = &["examples", "stdlib", "tests", "crates/rpi-diag/pages"];
-/// Folder of the inputs that fuzzers found, with one folder per entry point.
+/// Folders whose cell descriptions become inputs of the initial corpus.
+const CELL_FOLDERS: &[&str] = &["examples", "tests"];
+/// Folder with the inputs for which a fuzzer once found an error, one folder for each entry point.
 const SAVED_FOLDER: &str = "tests/fuzz";
-/// Largest size in bytes of a seed made from a net. Larger ones slow a fuzzer down without covering more code.
+/// Maximum size in bytes of an input made from a net (16 KiB). A larger input slows the fuzzer down without covering
+/// more code.
 const MAX_SEED_BYTES: usize = 1 << 14;
 
-/// Returns all programs of the project and those on the explanation pages of diagnostics, right and wrong ones.
+/// Returns the program texts of the initial corpus: all programs of the project, and the correct and wrong programs on
+/// the explanation pages of diagnostics.
 pub(crate) fn texts() -> Vec<Seed> {
     let files = |extension| {
         let below = |folder: &&str| files_below(folder, &[extension]);
@@ -40,19 +44,42 @@ pub(crate) fn texts() -> Vec<Seed> {
     seeds
 }
 
-/// Returns the nets of all programs that compile, in text format.
+/// Returns the nets of the initial corpus in text form: those of all programs that compile.
 pub(crate) fn nets() -> Vec<Seed> {
     seeds_from_nets(|net| emit::rpinet(net).0.into_bytes())
 }
 
-/// Returns the images of all programs that compile.
+/// Returns the images of the initial corpus: those of all programs that compile.
 pub(crate) fn images() -> Vec<Seed> {
     seeds_from_nets(|net| {
         lower_for_execution(net, 1_000_000).map_or(Vec::new(), |image| image.to_bytes())
     })
 }
 
-/// Returns the inputs that a fuzzer found for an entry point; they are kept permanently.
+/// Returns the cell descriptions of the initial corpus: those of the project and those in its book.
+pub(crate) fn cells() -> Vec<Seed> {
+    let files = CELL_FOLDERS
+        .iter()
+        .flat_map(|folder| files_below(folder, &[".toml"]));
+    let mut seeds: Vec<Seed> = files.filter_map(|path| text(&path, "")).collect();
+    let pages = files_below("docs/src", &["devices.md"]);
+    seeds.extend(
+        pages
+            .iter()
+            .filter_map(|path| text(path, ""))
+            .flat_map(|page| blocks(&page)),
+    );
+    seeds
+}
+
+/// Returns the tables and traces of the initial corpus: those of the tests of the project.
+pub(crate) fn traces() -> Vec<Seed> {
+    let files = files_below("tests", &[".csv", ".trace", ".tsv"]);
+    files.iter().filter_map(|path| text(path, "")).collect()
+}
+
+/// Returns the inputs for which a fuzzer once found an error in the entry point `entry`. They are stored permanently as
+/// regression tests.
 #[must_use]
 pub fn saved_inputs(entry: &str) -> Vec<Seed> {
     let paths = files_below(&format!("{SAVED_FOLDER}/{entry}"), &[""]);
@@ -67,7 +94,7 @@ fn text(path: &Path, before: &str) -> Option<Seed> {
     Some(Seed { name, bytes })
 }
 
-/// Returns the fenced programs of a Markdown page.
+/// Returns the programs in the code blocks of a Markdown page.
 fn blocks(page: &Seed) -> Vec<Seed> {
     let text = String::from_utf8_lossy(&page.bytes).into_owned();
     let parts = text.split("\n```").skip(1).step_by(2);

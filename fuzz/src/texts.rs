@@ -8,13 +8,13 @@ use rpi_driver::{
 use rpi_image::Image;
 use rpi_syntax::{Dialect, format, parse as parse_text, source_tokens};
 
-/// First line that marks a text as Lustre; any other text is `.rpi`.
+/// First line that marks an input as a Lustre program. Any other input is an RPI program.
 pub const LUSTRE: &str = "--.lus\n";
 
-/// Folder that does not exist, so that imports can only resolve to the standard library.
+/// Folder of the programs that the checker gets. It does not exist, so that a `use` finds only the standard library.
 const FOLDER: &str = "no-such-folder";
 
-/// Period for which images are compiled, in ns: 1 ms.
+/// Period for which images are compiled, in nanoseconds: 1 ms.
 const PERIOD_NS: u64 = 1_000_000;
 
 fn text(input: &[u8]) -> (String, Dialect) {
@@ -26,7 +26,7 @@ fn text(input: &[u8]) -> (String, Dialect) {
     (text, mode)
 }
 
-/// Splits a text into tokens. They must be in order and lie within the text.
+/// Entry point of the fuzzer for the lexer: splits a text into tokens, which must be in order and lie within the text.
 pub(crate) fn lex(input: &[u8]) {
     let (text, mode) = text(input);
     let mut end = 0;
@@ -37,7 +37,7 @@ pub(crate) fn lex(input: &[u8]) {
     }
 }
 
-/// Parses and formats a text. Formatting the result again must not change it.
+/// Entry point of the fuzzer for the parser: parses and formats a text. Formatting the result again must not change it.
 pub(crate) fn parse(input: &[u8]) {
     let (text, mode) = text(input);
     let mut sources = SourceMap::new();
@@ -50,7 +50,8 @@ pub(crate) fn parse(input: &[u8]) {
     }
 }
 
-/// Compiles a text as far as its errors allow: diagnostics, fixes, nets, images.
+/// Entry point of the fuzzer for the checker: compiles a text as far as its errors allow, with diagnostics, fixes, nets
+/// and images.
 pub(crate) fn check(input: &[u8]) {
     let (text, mode) = text(input);
     let (ending, kind) = match mode {
@@ -76,7 +77,7 @@ pub(crate) fn check(input: &[u8]) {
     }
 }
 
-/// Checks that diagnostics point into their texts and can be rendered.
+/// Checks that diagnostics point into their texts and can be rendered. Panics if they do not.
 pub(crate) fn check_rendering(diagnostics: &[Diagnostic], sources: &SourceMap) {
     for diagnostic in diagnostics {
         for span in diagnostic.labels.iter().map(|label| label.span) {
@@ -98,7 +99,7 @@ fn check_fixes(diagnostics: &[Diagnostic], sources: &SourceMap) {
     apply(sources.text(own), here);
 }
 
-/// Lowers a checked net. The resulting image must pass the verifier; lowering may return an error.
+/// Lowers a checked net to images, each of which must pass the verifier. Lowering may return an error instead.
 pub(crate) fn check_lowering(net: &AnalysedNet) {
     for lower in [lower_for_execution, lower_for_observation] {
         if let Ok(image) = lower(net, PERIOD_NS) {

@@ -1,20 +1,22 @@
 //! `cargo xtask bless [FILTER]`: rewrites the expected outputs of tests.
 
+use crate::task_error::TaskError;
 use std::process::Command;
 
-/// Group of tests that compare an output with files of the repository, as `cargo xtask bless` rewrites them.
+/// Group of tests that compare an output with files of the repository. `cargo xtask bless` rewrites these files.
 struct Suite {
-    /// Name, for the filter.
+    /// Name of the group, which the filter of `cargo xtask bless` selects.
     name: &'static str,
-    /// The files that are rewritten.
+    /// Description of the files that are rewritten, which the filter selects, too.
     files: &'static str,
-    /// Packages whose tools must be built first because the tests run them.
+    /// Arguments of `cargo build` for the tools that the tests run; empty if the tests need no tool.
     tools: &'static [&'static str],
-    /// Arguments of `cargo test`.
+    /// Arguments of `cargo test` that select the tests of the group.
     tests: &'static [&'static str],
 }
 
-/// All suites with expected outputs. Each suite can be run alone, so that a change of one message rewrites no other file.
+/// All groups of tests with expected outputs. Each group can be run alone, so that a change of one message rewrites no
+/// other file.
 const SUITES: &[Suite] = &[
     Suite {
         name: "ui",
@@ -66,17 +68,18 @@ const SUITES: &[Suite] = &[
     },
 ];
 
-/// Rewrites the expected outputs of the suites whose name or files contain the filter; without a filter, of all suites.
-pub(crate) fn bless(args: &[String]) -> Result<(), String> {
+/// Carries out `cargo xtask bless`: rewrites the expected outputs of the test groups whose name or files contain the
+/// filter; without a filter, of all groups.
+pub(crate) fn bless(args: &[String]) -> Result<(), TaskError> {
     let filter = match args {
         [] => "",
         [filter] => filter.as_str(),
-        _ => return Err(usage()),
+        _ => return Err(usage().into()),
     };
     let chosen = |suite: &&Suite| suite.name.contains(filter) || suite.files.contains(filter);
     let chosen: Vec<&Suite> = SUITES.iter().filter(chosen).collect();
     if chosen.is_empty() {
-        return Err(usage());
+        return Err(usage().into());
     }
     chosen.into_iter().try_for_each(run)
 }
@@ -91,7 +94,7 @@ fn usage() -> String {
     )
 }
 
-fn run(suite: &Suite) -> Result<(), String> {
+fn run(suite: &Suite) -> Result<(), TaskError> {
     println!("{}: {}", suite.name, suite.files);
     if !suite.tools.is_empty() {
         cargo("build", suite.tools)?;
@@ -99,9 +102,9 @@ fn run(suite: &Suite) -> Result<(), String> {
     cargo("test", suite.tests)
 }
 
-/// Runs cargo with the environment in which tests rewrite their files: `RPI_BLESS` for the tests of the project,
-/// `INSTA_*` for snapshots. `CI` would forbid snapshots to be written.
-fn cargo(task: &str, args: &[&str]) -> Result<(), String> {
+/// Runs `cargo build` or `cargo test` in the environment in which tests rewrite their expected outputs: `RPI_BLESS` for
+/// the tests of the project, `INSTA_*` for snapshots, and without `CI`, which would forbid snapshots to be written.
+fn cargo(task: &str, args: &[&str]) -> Result<(), TaskError> {
     let status = Command::new(env!("CARGO"))
         .args([task, "--quiet"])
         .args(args)
@@ -113,6 +116,6 @@ fn cargo(task: &str, args: &[&str]) -> Result<(), String> {
         .map_err(|error| format!("cargo: {error}"))?;
     match status.success() {
         true => Ok(()),
-        false => Err(format!("cargo {task} {} failed", args.join(" "))),
+        false => Err(format!("cargo {task} {} failed", args.join(" ")).into()),
     }
 }

@@ -8,18 +8,19 @@ use std::path::{Component, Path, PathBuf};
 use std::process::Command;
 
 use crate::fuzz::root;
+use crate::task_error::TaskError;
 
-/// Version of mdBook that builds the book.
+/// Required version of mdBook, which builds the book.
 const VERSION: &str = "0.5.4";
 
-/// Number of links that the book has at least. A check that finds fewer of them does not read the pages correctly.
+/// Minimum number of links in the book. A check that finds fewer links does not read the pages correctly.
 const LEAST_LINKS: usize = 1000;
 
-/// Carries out `cargo xtask book`: builds the book in `target/book` and checks its links. Installs mdBook below
-/// `target` if necessary.
-pub(crate) fn book(args: &[String]) -> Result<(), String> {
+/// Carries out `cargo xtask book`: builds the book in `target/book` and checks the links of its pages. Installs mdBook
+/// below `target` if necessary; without mdBook, prints a message and does nothing.
+pub(crate) fn book(args: &[String]) -> Result<(), TaskError> {
     if !args.is_empty() {
-        return Err("usage: cargo xtask book".to_owned());
+        return Err("usage: cargo xtask book".into());
     }
     let Some(mdbook) = mdbook() else {
         eprintln!(
@@ -34,9 +35,10 @@ pub(crate) fn book(args: &[String]) -> Result<(), String> {
     Ok(())
 }
 
-/// Returns the program mdBook of the right version: the installed one, or one that is built from source now.
+/// Returns the path of mdBook in the required version: the installed program, or one that is built from source now.
+/// Returns `None` if the build fails.
 ///
-/// The build takes one or two minutes. It is not optimised, because the book is built once per build of mdBook.
+/// The build takes one or two minutes. It is not optimised, because mdBook runs only for a short time.
 fn mdbook() -> Option<PathBuf> {
     let tools = target().join("tools");
     let own = tools.join("bin/mdbook");
@@ -62,8 +64,8 @@ fn is_right_version(mdbook: &Path) -> bool {
     })
 }
 
-/// Builds the pages of the book. A warning of mdBook is an error.
-fn build(mdbook: &Path, pages: &Path) -> Result<(), String> {
+/// Builds the pages of the book in the folder `pages`. A warning of mdBook is an error.
+fn build(mdbook: &Path, pages: &Path) -> Result<(), TaskError> {
     let output = Command::new(mdbook)
         .arg("build")
         .arg(root().join("docs"))
@@ -74,12 +76,13 @@ fn build(mdbook: &Path, pages: &Path) -> Result<(), String> {
     let log = String::from_utf8_lossy(&output.stderr);
     match output.status.success() && !log.contains("WARN") && !log.contains("ERROR") {
         true => Ok(()),
-        false => Err(format!("mdBook: {log}")),
+        false => Err(format!("mdBook: {log}").into()),
     }
 }
 
-/// Checks that each link of each page leads to an existing file and anchor. Returns the number of links.
-fn check_links(folder: &Path) -> Result<usize, String> {
+/// Checks that each link of each page in `folder` leads to an existing file and anchor. Returns the number of checked
+/// links.
+fn check_links(folder: &Path) -> Result<usize, TaskError> {
     let pages = read_pages(folder, folder)?;
     let (mut count, mut broken) = (0, Vec::new());
     for (path, page) in &pages {
@@ -95,17 +98,18 @@ fn check_links(folder: &Path) -> Result<usize, String> {
     }
     match broken.is_empty() {
         true => Ok(count),
-        false => Err(broken.join("\n")),
+        false => Err(broken.join("\n").into()),
     }
 }
 
-/// Returns whether a link leads out of the book: web and mail addresses have a scheme before the first colon.
+/// Returns true if a link leads out of the book: web and mail addresses have a scheme such as `https` before the first
+/// colon.
 fn is_external(link: &str) -> bool {
     let scheme = link.split_once(':').map_or("", |(scheme, _)| scheme);
     !scheme.is_empty() && scheme.chars().all(|c| c.is_ascii_alphabetic())
 }
 
-/// Returns the reason why a link on the page `path` is wrong; `None` if it is right.
+/// Returns the reason why a link on the page `path` is wrong; `None` if it is correct.
 fn problem(pages: &BTreeMap<PathBuf, Page>, path: &Path, link: &str) -> Option<&'static str> {
     let (file, anchor) = link.split_once('#').unwrap_or((link, ""));
     let target = match file {
@@ -119,7 +123,7 @@ fn problem(pages: &BTreeMap<PathBuf, Page>, path: &Path, link: &str) -> Option<&
     (!exists).then_some("no such anchor on the page")
 }
 
-/// Returns the path of a file relative to the book, for a link on a page in `folder`.
+/// Returns the path of the file to which a link on a page in `folder` leads, relative to the root of the book.
 fn resolved(folder: &Path, file: &str) -> PathBuf {
     let mut path = PathBuf::new();
     for part in folder.join(file).components() {
@@ -133,7 +137,7 @@ fn resolved(folder: &Path, file: &str) -> PathBuf {
     path
 }
 
-/// Links and anchors of a file of the book. Files other than pages have none.
+/// Links and anchors of a page of the book. Other files have none.
 #[derive(Default)]
 struct Page {
     links: Vec<String>,
@@ -153,7 +157,8 @@ impl Page {
     }
 }
 
-/// Returns the value of an attribute of a tag, without the character references that mdBook writes in values.
+/// Returns the value of an attribute in the text of an HTML tag, with the character references of mdBook decoded;
+/// `None` if the tag has no such attribute.
 fn attribute(tag: &str, name: &str) -> Option<String> {
     let (_, value) = tag.split_once(&format!(" {name}=\""))?;
     let value = value.split('"').next()?;
@@ -166,8 +171,8 @@ fn attribute(tag: &str, name: &str) -> Option<String> {
     )
 }
 
-/// Reads the files below `folder`; the keys are relative to `top`.
-fn read_pages(top: &Path, folder: &Path) -> Result<BTreeMap<PathBuf, Page>, String> {
+/// Reads all files below `folder`. Returns their links and anchors by path relative to `top`.
+fn read_pages(top: &Path, folder: &Path) -> Result<BTreeMap<PathBuf, Page>, TaskError> {
     let failed = |error: std::io::Error| format!("{}: {error}", folder.display());
     let mut pages = BTreeMap::new();
     for entry in std::fs::read_dir(folder).map_err(failed)? {
@@ -189,7 +194,7 @@ fn read_pages(top: &Path, folder: &Path) -> Result<BTreeMap<PathBuf, Page>, Stri
     Ok(pages)
 }
 
-/// Returns the target directory of Cargo.
+/// Returns the folder to which Cargo writes build output.
 fn target() -> PathBuf {
     let set = std::env::var_os("CARGO_TARGET_DIR");
     set.map_or_else(|| root().join("target"), PathBuf::from)

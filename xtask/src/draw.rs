@@ -7,18 +7,19 @@
 use xtask::{source_files, tracked_files};
 
 use crate::fuzz::root;
+use crate::task_error::TaskError;
 
-/// Seed of a draw without `--seed`.
+/// Seed of the random draw without the option `--seed`.
 const SEED: u64 = 1;
-/// Number of doc comments drawn without `--comments`.
+/// Number of drawn doc comments without the option `--comments`.
 const COMMENTS: usize = 100;
-/// Number of diagnostics drawn without `--diagnostics`.
+/// Number of drawn diagnostics without the option `--diagnostics`.
 const DIAGNOSTICS: usize = 60;
 
 const USAGE: &str = "usage: cargo xtask draw [--seed N] [--comments N] [--diagnostics N]";
 
-/// Carries out `cargo xtask draw`: prints doc comments and diagnostics drawn at random.
-pub(crate) fn draw(args: &[String]) -> Result<(), String> {
+/// Carries out `cargo xtask draw`: prints doc comments and diagnostics of the project that are drawn at random.
+pub(crate) fn draw(args: &[String]) -> Result<(), TaskError> {
     let options = Options::parse(args)?;
     let mut random = Random(options.seed);
     let all = source_files();
@@ -40,8 +41,8 @@ pub(crate) fn draw(args: &[String]) -> Result<(), String> {
     Ok(())
 }
 
-/// Returns the diagnostics that the tests of the compiler expect, one text for each program that has any.
-fn diagnostics() -> Result<Vec<String>, String> {
+/// Returns the diagnostics that the tests of the compiler expect, one text for each test program that has any.
+fn diagnostics() -> Result<Vec<String>, TaskError> {
     let mut texts = Vec::new();
     for path in tracked_files() {
         if path.starts_with("tests/ui") && path.extension().is_some_and(|e| e == "stderr") {
@@ -62,7 +63,7 @@ struct Options {
 }
 
 impl Options {
-    fn parse(args: &[String]) -> Result<Options, String> {
+    fn parse(args: &[String]) -> Result<Options, TaskError> {
         let mut options = Options {
             seed: SEED,
             comments: COMMENTS,
@@ -70,30 +71,30 @@ impl Options {
         };
         for pair in args.chunks(2) {
             let [flag, value] = pair else {
-                return Err(USAGE.to_owned());
+                return Err(USAGE.into());
             };
             let number: usize = value.parse().map_err(|_| USAGE.to_owned())?;
             match flag.as_str() {
                 "--seed" => options.seed = number as u64,
                 "--comments" => options.comments = number,
                 "--diagnostics" => options.diagnostics = number,
-                _ => return Err(USAGE.to_owned()),
+                _ => return Err(USAGE.into()),
             }
         }
         Ok(options)
     }
 }
 
-/// Doc comment with the signature of its item.
+/// Doc comment of a source file, with the signature of the item that it describes.
 #[derive(Clone, PartialEq, Eq, Debug)]
 struct Comment {
-    /// Signature on one line; for members of a type after the name of the type.
+    /// Signature of the item on one line. For a member of a type, the name of the type precedes it in brackets.
     signature: String,
-    /// Text, each line indented.
+    /// Text of the comment without `///`, each line indented.
     text: String,
 }
 
-/// Returns the doc comments of a source text formatted by rustfmt.
+/// Returns the doc comments of a Rust source text that rustfmt has formatted, in order.
 fn comments(text: &str) -> Vec<Comment> {
     let mut found = Vec::new();
     let mut owner = "";
@@ -151,7 +152,7 @@ fn comments(text: &str) -> Vec<Comment> {
     found
 }
 
-/// Returns whether a line opens a type, trait or implementation, whose members follow.
+/// Returns true if a line is the first one of a type, trait or implementation, whose members follow.
 fn is_owner(line: &str) -> bool {
     let line = match line.strip_prefix("pub(") {
         Some(rest) => rest.split_once(") ").map_or("", |(_, item)| item),
@@ -161,7 +162,8 @@ fn is_owner(line: &str) -> bool {
     line.ends_with('{') && words.iter().any(|word| line.starts_with(word))
 }
 
-/// Returns the name of the enum variant with named fields that a line opens.
+/// Returns the name of the enum variant with named fields whose declaration begins in this line; `None` for other
+/// lines.
 fn opened_variant(line: &str) -> Option<&str> {
     let name = line.strip_prefix("    ")?.strip_suffix(" {")?;
     let is_name = name.starts_with(|c: char| c.is_ascii_uppercase())
@@ -169,14 +171,15 @@ fn opened_variant(line: &str) -> Option<&str> {
     is_name.then_some(name)
 }
 
-/// Returns whether every parenthesis and bracket of an item is closed. A brace at the end opens the body.
+/// Returns true if every parenthesis and bracket in the text of an item is closed. A brace at the end opens the body
+/// and does not count.
 fn is_balanced(item: &str) -> bool {
     let count = |c: char| item.matches(c).count();
     count('(') == count(')') && count('[') == count(']')
 }
 
-/// Pseudo-random number generator SplitMix64 (G. Steele, D. Lea and C. Flood, 2014): enough for a draw, and the same on
-/// every machine.
+/// Pseudo-random number generator SplitMix64 (G. Steele, D. Lea and C. Flood, 2014): good enough for a draw, and the
+/// same on every machine. The field is the state.
 struct Random(u64);
 
 impl Random {
@@ -188,7 +191,7 @@ impl Random {
         z ^ (z >> 31)
     }
 
-    /// Draws `count` items without replacement, or all if there are fewer.
+    /// Returns `count` items that are drawn at random without replacement, or all if there are fewer.
     fn sample<T>(&mut self, mut items: Vec<T>, count: usize) -> Vec<T> {
         let mut drawn = Vec::new();
         while drawn.len() < count && !items.is_empty() {

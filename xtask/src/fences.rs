@@ -1,18 +1,19 @@
 //! Parser of fenced code blocks in Markdown (CommonMark 0.31, section 4.5), limited to the forms that the documents
 //! use.
 
-/// Fenced code block of a document.
+/// Code block of a Markdown document that is enclosed in lines of three backquotes.
 #[derive(Clone, PartialEq, Eq, Debug)]
 pub struct Fence {
-    /// Info string after the opening fence: the language and optional further words.
+    /// Text after the opening backquotes: the language, and optional further words.
     pub info: String,
-    /// Line number of the first line of code, from 1.
+    /// Number of the first line of code in the document, from 1.
     pub line: usize,
-    /// Code; every line ends with a newline.
+    /// Text of the code, in which every line ends with a newline.
     pub code: String,
 }
 
-/// Returns the fenced blocks of a document, in order. A block without a closing fence ends with the document.
+/// Returns the fenced code blocks of a Markdown document, in order. A block without a closing fence ends with the
+/// document.
 pub fn fences(markdown: &str) -> Vec<Fence> {
     let mut found = Vec::new();
     let mut open: Option<Fence> = None;

@@ -5,10 +5,11 @@
 //! memory per input are defined by the entries (`fuzz/src/budget.rs`), which measure the input alone and not
 //! other load on the machine.
 
+use crate::task_error::TaskError;
 use std::path::{Path, PathBuf};
 use std::process::Command;
 
-/// Flags that make LLVM count edges and comparisons, the same as in cargo-fuzz.
+/// Compiler flags that make LLVM count executed edges and comparisons for libFuzzer, the same as those of cargo-fuzz.
 const COVERAGE_FLAGS: &[&str] = &[
     "-Cpasses=sancov-module",
     "-Cllvm-args=-sanitizer-coverage-level=4",
@@ -18,8 +19,9 @@ const COVERAGE_FLAGS: &[&str] = &[
     "--cfg=fuzzing",
 ];
 
-/// Limits of libFuzzer, far above those of the entries: for hanging inputs and for the corpus. Longer inputs find
-/// nothing that shorter ones do not. Inputs that take a second are kept as slow units.
+/// Limits of libFuzzer, far above the limits of each entry point: they stop hanging inputs and bound the corpus. A
+/// longer input finds no error that a shorter input does not find. An input that takes a second is saved as a slow
+/// unit.
 const LIMITS: &[&str] = &[
     "-timeout=60",
     "-report_slow_units=1",
@@ -27,15 +29,15 @@ const LIMITS: &[&str] = &[
     "-max_len=20000",
 ];
 
-/// Default duration: one hour.
+/// Duration of a fuzzer run without the option `--seconds`: one hour, in seconds.
 const DEFAULT_SECONDS: &str = "3600";
 
-/// Carries out `cargo xtask fuzz`: builds a fuzz target and runs it.
-pub(crate) fn fuzz(args: &[String]) -> Result<(), String> {
+/// Carries out `cargo xtask fuzz`: builds the fuzz target of an entry point, and runs it for some time.
+pub(crate) fn fuzz(args: &[String]) -> Result<(), TaskError> {
     let (entry, seconds) = match args {
         [entry] => (entry, DEFAULT_SECONDS),
         [entry, flag, seconds] if flag == "--seconds" => (entry, seconds.as_str()),
-        _ => return Err("usage: cargo xtask fuzz ENTRY [--seconds N]".to_owned()),
+        _ => return Err("usage: cargo xtask fuzz ENTRY [--seconds N]".into()),
     };
     let folder = root().join("fuzz/targets");
     let corpus = folder.join("target/corpus").join(entry);
@@ -61,9 +63,9 @@ pub(crate) fn fuzz(args: &[String]) -> Result<(), String> {
     rerun_slow(entry, &found)
 }
 
-/// Runs slow inputs again in a release build without counters. Fails for inputs that are slow there too, and deletes
-/// the others.
-fn rerun_slow(entry: &str, found: &Path) -> Result<(), String> {
+/// Runs the slow inputs in the folder `found` again, in a release build without counters. Returns an error for an input
+/// that is slow there, too, and deletes the others.
+fn rerun_slow(entry: &str, found: &Path) -> Result<(), TaskError> {
     let files = std::fs::read_dir(found).map_err(|error| error.to_string())?;
     let is_slow = |path: &PathBuf| {
         let name = path.file_name().and_then(|name| name.to_str());
@@ -79,7 +81,7 @@ fn rerun_slow(entry: &str, found: &Path) -> Result<(), String> {
     Ok(())
 }
 
-/// Creates the command that runs one of the tools of `rpi-fuzz`.
+/// Returns the command that runs the program `name` of the package `rpi-fuzz`. `flags` are arguments of `cargo run`.
 fn tool_command(name: &str, flags: &[&str]) -> Command {
     let mut run = Command::new(env!("CARGO"));
     run.current_dir(root())
@@ -89,20 +91,21 @@ fn tool_command(name: &str, flags: &[&str]) -> Command {
     run
 }
 
-/// Returns the root of the workspace.
+/// Returns the path of the root folder of the workspace.
 pub(crate) fn root() -> PathBuf {
     let here = Path::new(env!("CARGO_MANIFEST_DIR"));
     here.parent().unwrap_or(here).to_owned()
 }
 
-fn write_seeds(entry: &str, corpus: &Path, words: &Path) -> Result<(), String> {
+fn write_seeds(entry: &str, corpus: &Path, words: &Path) -> Result<(), TaskError> {
     let mut write = tool_command("rpi-fuzz-seeds", &[]);
     write.arg(entry).args([corpus, words]);
     run_checked(&mut write, "cannot write the seeds")
 }
 
-/// Builds a target and returns its path. `--target` keeps the flags from applying to build scripts.
-fn build(folder: &Path, entry: &str) -> Result<PathBuf, String> {
+/// Builds the fuzz target of an entry point and returns the path of the program. The option `--target` prevents that
+/// the coverage flags apply to build scripts, too.
+fn build(folder: &Path, entry: &str) -> Result<PathBuf, TaskError> {
     let host = host()?;
     let mut build = Command::new(env!("CARGO"));
     build
@@ -114,21 +117,21 @@ fn build(folder: &Path, entry: &str) -> Result<PathBuf, String> {
     Ok(folder.join("target").join(host).join("release").join(entry))
 }
 
-/// Returns the target triple of this machine.
-fn host() -> Result<String, String> {
+/// Returns the target triple of this machine as `rustc` reports it, such as `x86_64-unknown-linux-gnu`.
+fn host() -> Result<String, TaskError> {
     let version = Command::new("rustc").arg("-vV").output();
     let version = version.map_err(|error| format!("rustc: {error}"))?.stdout;
     let version = String::from_utf8_lossy(&version).into_owned();
     let host = version.lines().find_map(|line| line.strip_prefix("host: "));
     host.map(str::to_owned)
-        .ok_or("rustc does not report a host".to_owned())
+        .ok_or("rustc does not report a host".into())
 }
 
-fn run_checked(command: &mut Command, otherwise: &str) -> Result<(), String> {
+fn run_checked(command: &mut Command, otherwise: &str) -> Result<(), TaskError> {
     let name = command.get_program().to_string_lossy().into_owned();
     match command.status() {
         Ok(status) if status.success() => Ok(()),
-        Ok(_) => Err(otherwise.to_owned()),
-        Err(error) => Err(format!("{name}: {error}")),
+        Ok(_) => Err(otherwise.into()),
+        Err(error) => Err(format!("{name}: {error}").into()),
     }
 }

@@ -5,14 +5,17 @@ mod book;
 mod draw;
 mod fuzz;
 mod lustre;
+mod task_error;
 
 use std::process::ExitCode;
 
-/// Task of `cargo xtask`: name, description, function.
+use task_error::TaskError;
+
+/// Task of `cargo xtask`: name, description for the usage text, and function that carries it out with the arguments.
 type Task = (
     &'static str,
     &'static str,
-    fn(&[String]) -> Result<(), String>,
+    fn(&[String]) -> Result<(), TaskError>,
 );
 
 const TASKS: &[Task] = &[
@@ -38,7 +41,7 @@ const TASKS: &[Task] = &[
     ),
     (
         "fuzz",
-        "fuzz an entry (checker, image, importer, parser, lexer): ENTRY [--seconds N]",
+        "fuzz an entry (checker, image, importer, recording, trace, cell, parser, lexer): ENTRY [--seconds N]",
         fuzz::fuzz,
     ),
     (
@@ -53,19 +56,20 @@ const TASKS: &[Task] = &[
     ),
 ];
 
-/// Number of random histories of the core that the long test runs, each of up to 120 steps; together more than a
-/// million steps.
+/// Number of random histories (sequences of up to 120 steps) of the core in the long test. Together they are more than
+/// a million steps.
 const HISTORIES: &str = "20000";
 
-/// Number of random programs for each property of the language.
+/// Number of random programs in the long test, for each property of the language.
 const PROGRAMS: &str = "10000";
 
+/// Number of random takeovers of two arms in the long test.
 const TAKEOVERS: &str = "1000000";
 
-/// One hour, in seconds.
+/// Duration of the long test with misbehaving clients: one hour, in seconds.
 const HOUR: &str = "3600";
 
-/// One day of the cell's simulated time.
+/// Simulated time of the long test of blending: one day.
 const DAY: &str = "86400s";
 
 fn main() -> ExitCode {
@@ -87,7 +91,7 @@ fn main() -> ExitCode {
     }
 }
 
-fn generate(_: &[String]) -> Result<(), String> {
+fn generate(_: &[String]) -> Result<(), TaskError> {
     for file in xtask::generated().iter().filter(|file| !file.is_current()) {
         file.write()
             .map_err(|error| format!("{}: {error}", file.path))?;
@@ -96,10 +100,10 @@ fn generate(_: &[String]) -> Result<(), String> {
     Ok(())
 }
 
-/// Carries out `cargo xtask soak`: runs tests with much larger parameters than in the test suite, namely random
+/// Carries out `cargo xtask soak`: runs tests with much larger parameters than in the test suite. These are random
 /// programs, the core and its model, a million takeovers of two arms, an hour of misbehaving clients, and a day of
 /// blending.
-fn soak(_: &[String]) -> Result<(), String> {
+fn soak(_: &[String]) -> Result<(), TaskError> {
     cargo_test(
         &["-p", "rpi-reference", "--test", "properties"],
         ("RPI_PROGRAMS", PROGRAMS),
@@ -116,7 +120,7 @@ fn soak(_: &[String]) -> Result<(), String> {
     cargo_test(&["-p", "rpi", "--test", "endless"], ("RPI_ENDLESS", DAY))
 }
 
-fn cargo_test(which: &[&str], (name, value): (&str, &str)) -> Result<(), String> {
+fn cargo_test(which: &[&str], (name, value): (&str, &str)) -> Result<(), TaskError> {
     let status = std::process::Command::new(env!("CARGO"))
         .args(["test", "--release"])
         .args(which)
@@ -126,6 +130,6 @@ fn cargo_test(which: &[&str], (name, value): (&str, &str)) -> Result<(), String>
         .map_err(|error| format!("cargo: {error}"))?;
     match status.success() {
         true => Ok(()),
-        false => Err(format!("{} with {name}={value} failed", which.join(" "))),
+        false => Err(format!("{} with {name}={value} failed", which.join(" ")).into()),
     }
 }

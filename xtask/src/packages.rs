@@ -6,32 +6,32 @@ use std::process::Command;
 use rpi_testkit::workspace_root;
 use serde_json::Value;
 
-/// Crate of the workspace.
+/// Crate of the workspace, with its dependencies.
 #[derive(Clone, Debug)]
 pub struct Package {
-    /// Name, as used by `cargo -p`.
+    /// Name of the crate, as used by `cargo -p`.
     pub name: String,
-    /// Folder of the package's `Cargo.toml`.
+    /// Folder that contains the `Cargo.toml` of the crate.
     pub dir: PathBuf,
-    /// Dependencies, sorted by name.
+    /// Dependencies of the crate of all kinds, sorted by name.
     pub dependencies: Vec<Dependency>,
 }
 
-/// Dependency of a [`Package`].
+/// Dependency of a crate of the workspace ([`Package`]).
 #[derive(Clone, Debug)]
 pub struct Dependency {
-    /// Name of the crate depended on.
+    /// Name of the crate on which the package depends.
     pub name: String,
-    /// Whether the dependency is a crate of this workspace.
+    /// True if that crate belongs to this workspace, false for a third-party crate.
     pub is_workspace: bool,
-    /// Whether the dependency is visible only to tests, benches and examples.
+    /// True if only tests, benches and examples of the package use the dependency.
     pub is_dev: bool,
-    /// Whether the default features of the dependency are enabled.
+    /// True if the default features of the dependency are enabled.
     pub default_features: bool,
 }
 
 impl Package {
-    /// Returns the workspace crates that it depends on, without development dependencies.
+    /// Returns the names of the workspace crates on which this crate depends, without development dependencies.
     pub fn workspace_dependencies(&self) -> Vec<&str> {
         let kept = self
             .dependencies
@@ -40,7 +40,7 @@ impl Package {
         kept.map(|d| d.name.as_str()).collect()
     }
 
-    /// Returns its third-party dependencies, including development dependencies.
+    /// Returns the third-party dependencies of this crate, including development dependencies.
     pub fn third_party(&self) -> impl Iterator<Item = &Dependency> {
         self.dependencies.iter().filter(|d| !d.is_workspace)
     }
@@ -50,7 +50,7 @@ impl Package {
 ///
 /// # Panics
 ///
-/// If cargo cannot be run. The tests are run by cargo, so this indicates a broken installation.
+/// Panics if cargo cannot be run. Cargo runs the tests, so this indicates a broken installation.
 pub fn packages() -> Vec<Package> {
     let cargo = std::env::var_os("CARGO").unwrap_or_else(|| "cargo".into());
     let output = Command::new(cargo)

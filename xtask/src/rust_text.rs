@@ -1,20 +1,20 @@
 //! Separation of a Rust source text into code, comments and string literals.
 
-/// Kind of a part of a Rust source text.
+/// Kind of a part of a Rust source text: code, comment or string.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub enum PartKind {
-    /// Anything that is neither a comment nor a string literal.
+    /// Code: text that is neither a comment nor a string literal.
     Code,
     /// Line comment or block comment, including doc comments.
     Comment,
-    /// String literal with its quotes, and raw string literals.
+    /// String literal or raw string literal, with its quotes.
     Literal,
 }
 
-/// Part of a Rust source text.
+/// Part of a Rust source text: a comment, a string literal, or the code between two of them.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub struct Part<'a> {
-    /// Whether the part is code, a comment or a string.
+    /// Kind of the part: code, comment or string.
     pub kind: PartKind,
     /// Line number of the first character of the part, from 1.
     pub line: usize,
@@ -22,7 +22,7 @@ pub struct Part<'a> {
     pub text: &'a str,
 }
 
-/// Returns the parts of a source text, in order. Together they are the whole text.
+/// Returns the parts of a Rust source text, in order. Concatenated, they are the whole text.
 pub fn parts(text: &str) -> Vec<Part<'_>> {
     let mut parts: Vec<Part<'_>> = Vec::new();
     let (mut start, mut at, mut line) = (0, 0, 1);
@@ -50,8 +50,9 @@ pub fn parts(text: &str) -> Vec<Part<'_>> {
     parts
 }
 
-/// Returns the kind and the length of the comment or literal at the start of `rest`; `None` if there is code.
-/// Character literals count as code, but are skipped as a whole: they may contain a quote.
+/// Returns the kind and the length in bytes of the comment or literal at the start of `rest`; `None` if code is there.
+/// `before` is the text before `rest`. A character literal counts as code, but is returned as a whole, because it may
+/// contain a quote.
 fn special(before: &str, rest: &str) -> Option<(PartKind, usize)> {
     if rest.starts_with("//") {
         let length = rest.find('\n').unwrap_or(rest.len());
@@ -72,12 +73,13 @@ fn special(before: &str, rest: &str) -> Option<(PartKind, usize)> {
         .then(|| (PartKind::Literal, string_length(rest)))
 }
 
-/// Returns whether the character can be part of an identifier.
+/// Returns true if the character can be part of an identifier of Rust.
 pub fn is_word(c: char) -> bool {
     c.is_alphanumeric() || c == '_'
 }
 
-/// Returns the length of the raw string at the start of the text: `r"..."`, `r#"..."#`.
+/// Returns the length in bytes of the raw string literal at the start of the text, such as `r"..."` or `r#"..."#`;
+/// `None` if there is none.
 fn raw_string(text: &str) -> Option<usize> {
     let start = text.find('r')? + 1;
     let hashes = text[start..].bytes().take_while(|b| *b == b'#').count();
@@ -87,7 +89,7 @@ fn raw_string(text: &str) -> Option<usize> {
     Some((start + hashes + 1 + at + end.len()).min(text.len()))
 }
 
-/// Returns the length of the string at the start of the text, with both quotes.
+/// Returns the length in bytes of the string literal at the start of the text, including both quotes.
 fn string_length(text: &str) -> usize {
     let mut escaped = false;
     for (at, c) in text.char_indices().skip(1) {

@@ -7,8 +7,8 @@ use rpi_testkit::{files_below, workspace_root};
 
 use crate::packages::packages;
 
-/// Returns every file that git tracks or would track, relative to the root and sorted. Without git (an unpacked
-/// archive), returns every file that is not build output.
+/// Returns the paths of all files that git tracks or would track, relative to the root of the workspace and sorted.
+/// Without git (in an unpacked archive), returns every file that is not build output.
 pub fn tracked_files() -> Vec<PathBuf> {
     let listed = Command::new("git")
         .args(["ls-files", "--cached", "--others", "--exclude-standard"])
@@ -29,12 +29,12 @@ pub fn tracked_files() -> Vec<PathBuf> {
     files
 }
 
-/// Rust source file of the product.
+/// Rust source file of the product, with its crate.
 #[derive(Clone, Debug)]
 pub struct SourceFile {
     /// Path relative to the root of the workspace.
     pub path: PathBuf,
-    /// Name of its crate.
+    /// Name of the crate that contains the file.
     pub owner: String,
     /// Content of the file.
     pub text: String,
@@ -50,13 +50,14 @@ impl SourceFile {
         (!of_tests).then_some(SourceFile { path, owner, text })
     }
 
-    /// Returns the text before the module of unit tests, which is always at the end.
+    /// Returns the text before the module of unit tests, which is always at the end of a file.
     pub fn without_tests(&self) -> &str {
         without_tests(&self.text)
     }
 }
 
-/// Returns the Rust files in `src` of the crates of the workspace, without files of unit tests, sorted by path.
+/// Returns the Rust files in the folders `src` of all crates of the workspace, without files of unit tests, sorted by
+/// path.
 pub fn source_files() -> Vec<SourceFile> {
     let mut files = Vec::new();
     for package in packages() {
@@ -78,21 +79,22 @@ fn without_tests(text: &str) -> &str {
         .map_or(text, |at| &text[..at])
 }
 
-/// Function in a Rust source text.
+/// Function in a Rust source text, with its size.
 #[derive(Clone, PartialEq, Eq, Debug)]
 pub struct Function<'a> {
-    /// Name of the declared item.
+    /// Name of the function.
     pub name: &'a str,
-    /// Line number of the function's `fn`, from 1.
+    /// Number of the line with the `fn` of the function, from 1.
     pub line: usize,
-    /// Number of lines from `fn` to the closing brace, inclusive.
+    /// Number of lines from the `fn` to the closing brace, both included.
     pub lines: usize,
-    /// Number of those lines from the opening brace on: what a reader must follow. A signature of several lines has
-    /// parameters with long names, which make it easier to read.
+    /// Number of lines from the opening brace to the closing brace, both included: the lines that a reader must follow.
+    /// The lines of the signature do not count, because parameters with long names make a function easier to read.
     pub body_lines: usize,
 }
 
-/// Returns the functions with bodies in a formatted text, including nested ones, in the order of their lines.
+/// Returns the functions with bodies in a text that rustfmt has formatted, including nested functions, in the order of
+/// their lines.
 pub fn functions(text: &str) -> Vec<Function<'_>> {
     let lines: Vec<&str> = text.lines().collect();
     let starts = lines
@@ -114,7 +116,7 @@ pub fn functions(text: &str) -> Vec<Function<'_>> {
         .collect()
 }
 
-/// Returns the name if the line declares a function: qualifiers, then `fn`.
+/// Returns the name of the function that a line declares (qualifiers, then `fn`); `None` for other lines.
 fn function_name(line: &str) -> Option<&str> {
     let mut words = line.trim_start();
     while let Some((word, rest)) = words.split_once(' ') {
@@ -129,8 +131,8 @@ fn function_name(line: &str) -> Option<&str> {
     None
 }
 
-/// Returns the index of the line that closes the body opened by the first line: the next line with the same indentation
-/// that is a closing brace. Returns `None` for a declaration without a body.
+/// Returns the index of the line that closes the body of the function declared in the first line: the next line with
+/// the same indentation that is a closing brace. Returns `None` for a declaration without a body.
 fn body_end_line(lines: &[&str]) -> Option<usize> {
     let first = lines.first()?;
     if first.ends_with('}') {

@@ -1,25 +1,26 @@
 //! Types of a Rust source text with the number of their fields and inherent methods, found by the layout of rustfmt.
 
-/// Part of a type in a source text: its declaration, or an inherent `impl` block.
+/// Part of a type in a Rust source text: its declaration, or an inherent `impl` block.
 #[derive(Clone, PartialEq, Eq, Debug)]
 pub enum TypePart<'a> {
     /// Declaration of a struct or an enum.
     Declaration {
-        /// Name of the type.
+        /// Name of the declared type.
         name: &'a str,
-        /// Number of fields of a struct with named fields, otherwise 0.
+        /// Number of fields of a struct with named fields; 0 for an enum and for other structs.
         fields: usize,
     },
-    /// Inherent `impl` block.
+    /// Inherent `impl` block of a type (not one of a trait).
     Methods {
-        /// Name of the type, without path and generic arguments.
+        /// Name of the type of the block, without path and generic arguments.
         name: &'a str,
         /// Number of functions in the block.
         methods: usize,
     },
 }
 
-/// Returns the declarations and inherent `impl` blocks of a formatted text, in the order of their lines.
+/// Returns the declarations of types and the inherent `impl` blocks of a text that rustfmt has formatted, in the order
+/// of their lines.
 pub fn type_parts(text: &str) -> Vec<TypePart<'_>> {
     let lines: Vec<&str> = text.lines().collect();
     let found =
@@ -61,7 +62,8 @@ fn block<'a>(lines: &[&'a str]) -> Option<TypePart<'a>> {
     (!name.is_empty()).then_some(TypePart::Methods { name, methods })
 }
 
-/// Returns the lines one step inside the block that starts with the first line, without their indentation.
+/// Returns the lines directly inside the block that starts with the first line (one step of indentation deeper),
+/// without their indentation.
 fn items<'a>(lines: &[&'a str]) -> impl Iterator<Item = &'a str> {
     let indent = indentation(lines[0]);
     let single = lines[0].ends_with(['}', ';']);
@@ -101,7 +103,7 @@ fn identifier(text: &str) -> &str {
     &text[..end.unwrap_or(text.len())]
 }
 
-/// Skips the generic parameters at the start of the text.
+/// Returns the text after the generic parameters at its start, such as `<'a, T>`; the whole text if there are none.
 fn after_generics(text: &str) -> &str {
     let mut depth = 0_usize;
     for (at, c) in text.char_indices() {

@@ -11,14 +11,14 @@ use rpi_net::{FragmentId, Input, Net, Restart};
 use std::path::Path;
 use std::process::Command;
 
-/// Argument with which this program runs cycles under callgrind.
+/// First argument with which this benchmark starts itself as a process that runs cycles under callgrind.
 pub(crate) const CHILD: &str = "cycles-child";
 
-/// Number of inactive fragments.
+/// Number of inactive fragments in the measured net.
 const MANY: usize = 64;
 
-/// A net with many fragments that are never active, each with `size` primitives; or only with their activation
-/// conditions.
+/// Returns a net with many fragments that are never active, each with `size` primitives. If `fragments` is false, the
+/// net contains only the activation conditions of these fragments.
 fn inactive_net(fragments: bool, size: usize) -> Net {
     let mut b = NetBuilder::new("sleeping");
     let root = FragmentId::ROOT;
@@ -53,7 +53,8 @@ fn inactive_net(fragments: bool, size: usize) -> Net {
     b.net
 }
 
-/// Measures an inactive fragment: time, steps, and instructions if valgrind is available.
+/// Adds the cost of an inactive fragment to the table: time, steps, and processor instructions if valgrind is
+/// available.
 pub(crate) fn rows(table: &mut Table) {
     for size in [1, 100, 10_000] {
         let row = format!("inactive fragment, {size} inside");
@@ -72,7 +73,8 @@ pub(crate) fn rows(table: &mut Table) {
     }
 }
 
-/// Difference of two nets in nanoseconds per cycle. Batches alternate, and the best of each net counts.
+/// Returns the difference of the times of two nets in nanoseconds per cycle. Batches of cycles of both nets alternate,
+/// and the fastest batch of each net counts.
 fn difference(with: &Net, without: &Net) -> f64 {
     let mut nets = [with, without].map(|n| InterpretedNet::new(n).expect("there are no devices"));
     let mut best = [f64::MAX; 2];
@@ -98,8 +100,9 @@ fn steps_per_cycle(net: &Net) -> usize {
     steps
 }
 
-/// Instructions per cycle, counted by callgrind: two runs of this program that differ only in the number of cycles.
-/// Both read the image from a file, so that nothing else differs.
+/// Returns the number of processor instructions in a cycle of a net, counted by callgrind; `None` if valgrind is not
+/// available. Two runs that differ only in the number of cycles are subtracted, and both read the image from a file, so
+/// that the start does not count.
 fn instructions(net: &Net) -> Option<f64> {
     let image = image_compare::lower_net(net, &LowerOptions::running(MS))
         .ok()?
@@ -128,7 +131,7 @@ fn callgrind(path: &Path, cycles: u32) -> Option<f64> {
     line.split_whitespace().last()?.parse().ok()
 }
 
-/// Runs an image from a file, and nothing else.
+/// Loads an image from a file and runs it for a number of cycles, without any other work that callgrind would count.
 pub(crate) fn run_cycles(path: &Path, cycles: usize) {
     let bytes = std::fs::read(path).unwrap_or_default();
     let image = rpi_image::Image::from_bytes(&bytes).expect("it was written by us");

@@ -6,7 +6,8 @@ use rpi_bench::table::Table;
 use rpi_net::Net;
 use tempfile::TempDir;
 
-/// A family of nets: its name, its generator by size, and the allowed time as a multiple of gcc's.
+/// Family of generated nets: name, function that generates a net of a given number of primitives, and limit of the time
+/// of the interpreter as a multiple of the time of the same net compiled by gcc.
 type Kind = (&'static str, fn(usize) -> Net, f64);
 
 const KINDS: [Kind; 3] = [
@@ -22,11 +23,11 @@ const KINDS: [Kind; 3] = [
 
 const SIZES: [usize; 3] = [1_000, 10_000, 100_000];
 
-/// Largest number of equations that gcc can compile in one function. Larger nets are compared with the largest net
-/// below this size.
+/// Maximum number of equations of a net that gcc can compile in one function. Larger nets are compared with the largest
+/// net below this size.
 const MAX_GCC_EQUATIONS: usize = 50_000;
 
-/// Number of batches, of which the best counts.
+/// Number of batches of cycles for each net, of which the fastest counts.
 const BATCHES: usize = 20;
 
 pub(crate) fn rows(table: &mut Table) {
@@ -49,17 +50,18 @@ pub(crate) fn rows(table: &mut Table) {
     }
 }
 
-/// True if a net is measured that is compared with a smaller net compiled by gcc.
+/// Returns whether a net too large for gcc is selected, so that a smaller net of the same family must be compiled as
+/// its reference.
 fn gcc_is_needed(table: &Table, name: &str) -> bool {
     let mut large = SIZES.iter().filter(|s| **s >= MAX_GCC_EQUATIONS);
     large.any(|size| table.is_selected(&format!("interpreter, {name}, {size}")))
 }
 
-/// A net as a program compiled by gcc.
+/// Reference for the interpreter: a net compiled as C by gcc, with its number of primitives.
 struct GccReference {
     gcc: CompiledNet,
     size: usize,
-    /// Directory of the program; deleted on drop.
+    /// Temporary folder that contains the compiled program; deleted on drop.
     _dir: TempDir,
 }
 
@@ -100,7 +102,7 @@ fn measure(table: &mut Table, row: &str, bar: f64, net: &Net, gcc: Option<&mut G
     table.add_row(row, ours_ns / gcc_ns, bar, "x", &note);
 }
 
-/// Cycles of one batch, which takes some milliseconds.
+/// Returns the number of cycles of one batch for a net of `size` primitives, so that a batch takes some milliseconds.
 fn cycles(size: usize) -> u64 {
     3_000_000 / size as u64 + 5
 }

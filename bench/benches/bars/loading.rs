@@ -9,7 +9,7 @@ use rpi_diag::FileId;
 use rpi_lower::LowerOptions;
 use rpi_net::rpinet;
 
-/// Measures the time from text to a runnable command.
+/// Adds the time from the text of a net to a command that can run to the table, for nets of several sizes.
 pub(crate) fn rows(table: &mut Table) {
     for (size, bar) in [(1_000, 2.0), (10_000, 15.0), (100_000, 200.0)] {
         let row = format!("text to runnable, {size}");
@@ -42,7 +42,8 @@ fn stages(table: &mut Table, row: &str, text: &str, bar: f64) {
     table.add_row(row, best.iter().sum(), bar, "ms", &note);
 }
 
-/// Milliseconds for reading, checking, lowering and loading.
+/// Returns the times in milliseconds for reading the text of a net, checking the net, lowering it to an image, and
+/// verifying and loading the image.
 pub(crate) fn load(text: &str) -> [f64; 4] {
     let (net, read) = timed(|| {
         let net = rpinet::parse("net", FileId(0), text).0;

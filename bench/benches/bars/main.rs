@@ -44,13 +44,15 @@ fn main() {
     table.print();
 }
 
-/// Runs a function with a temporary directory.
+/// Calls a function with the path of a new temporary folder, which is deleted afterwards. Returns `None` if the folder
+/// cannot be created or the function fails.
 fn with_temp_dir<T, E>(with: impl FnOnce(&Path) -> Result<T, E>) -> Option<T> {
     let dir = tempfile::tempdir().ok()?;
     with(dir.path()).ok()
 }
 
-/// Reads a text from the data beside the project; `None` if the data are not available.
+/// Returns the text of a file of the external test data, decompressed if necessary; `None` if the data are not
+/// available.
 fn read_shared(path: &str) -> Option<String> {
     rpi_testkit::read_maybe_gz(rpi_testkit::external_data_path(path)?).ok()
 }

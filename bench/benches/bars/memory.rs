@@ -11,10 +11,10 @@ use rpi_testkit::resident_memory_kb;
 use std::path::Path;
 use std::process::Command;
 
-/// Argument with which this program loads a net and prints the memory used.
+/// First argument with which this benchmark starts itself as a process that loads a net and prints the memory used.
 pub(crate) const CHILD: &str = "load-child";
 
-/// Measures bytes per primitive while running, and at most while loading.
+/// Adds the memory per primitive in bytes to the table: while running, and the maximum while loading.
 pub(crate) fn rows(table: &mut Table) {
     let size = 100_000;
     let net = generate::mixed(size, 1);
@@ -49,7 +49,8 @@ pub(crate) fn rows(table: &mut Table) {
     }
 }
 
-/// Peak resident memory in kB of a process that loads a net of this size from its text and does nothing else.
+/// Returns the maximum resident memory in kB of a process that loads a net of `size` primitives from its text and does
+/// no other work.
 fn peak(dir: &Path, size: usize) -> Result<f64, String> {
     let path = dir.join("net.rpinet");
     let text = rpinet::write(&generate::mixed(size, 1));
@@ -61,7 +62,7 @@ fn peak(dir: &Path, size: usize) -> Result<f64, String> {
     text.trim().parse().map_err(|_| text.into_owned())
 }
 
-/// Loads a text and prints the peak resident memory in kB.
+/// Loads a net from a text file and prints the maximum resident memory of the process in kB.
 pub(crate) fn load_and_print(path: &Path) {
     let text = std::fs::read_to_string(path).unwrap_or_default();
     crate::loading::load(&text);

@@ -9,7 +9,7 @@ use rpi_diag::FileId;
 use rpi_lower::LowerOptions;
 use rpi_net::{Net, rpinet};
 
-/// Measures the nets of the reference system, per cycle.
+/// Adds the time per cycle of nets from the reference system to the table.
 pub(crate) fn rows(table: &mut Table) {
     let nets = [
         ("authors' LIN net", "nets/traces/lin-3.rpinet.gz", 2.0),
@@ -38,7 +38,8 @@ fn recorded(path: &str) -> Option<Net> {
     rpinet::parse("net", FileId(0), &text).0
 }
 
-/// Microseconds per cycle over the first cycles of the command, restarted repeatedly: in these cycles the robot moves.
+/// Returns the time of a cycle of a net in microseconds. The measured cycles are the first ones of the command, in
+/// which the robot moves; the command is restarted repeatedly, and the fastest pass counts.
 fn cycle_us(net: &Net) -> f64 {
     let image = image_compare::lower_net(net, &LowerOptions::running(25 * MS))
         .expect("recorded nets are right");
@@ -55,7 +56,7 @@ fn cycle_us(net: &Net) -> f64 {
     best
 }
 
-/// Number of cycles measured after each start.
+/// Number of cycles that are measured after each start of the command.
 const MOVING: u32 = 100;
 
 fn cycle(machine: &mut Instance, bank: &mut FakeDevices) {
@@ -66,7 +67,7 @@ fn cycle(machine: &mut Instance, bank: &mut FakeDevices) {
     machine.hand_over(bank);
 }
 
-/// Average number of a net's primitives that are in active fragments, over the measured cycles.
+/// Returns the average number of primitives of a net that are in active fragments, over the measured cycles.
 fn active(net: &Net) -> usize {
     let image = image_compare::lower_net(net, &LowerOptions::observed(25 * MS))
         .expect("recorded nets are right");

@@ -11,22 +11,23 @@ use std::path::Path;
 use std::process::Command as Process;
 use std::sync::Arc;
 
-/// Argument with which this program runs takeovers under callgrind.
+/// First argument with which this benchmark starts itself as a process that runs takeovers under callgrind.
 pub(crate) const CHILD: &str = "switch-child";
 
-/// Capacity for commands; the default of a control core.
+/// Number of commands that the measured core can hold; it equals the default of a control core.
 const CAPACITY: usize = 64;
-/// Number of axes that are taken over.
+/// Number of axes that the successor takes over from its predecessor.
 const AXES: i64 = 7;
-/// Ticks per round; the takeover is in the middle.
+/// Number of ticks of a round; the takeover, if there is one, is in the middle.
 const TICKS: u64 = 8;
-/// The function whose instructions are counted, including its callees.
+/// Pattern of the name of the function whose processor instructions callgrind counts, including the functions that it
+/// calls.
 const COUNTED: &str = "*counted_tick*";
-/// The input with the number of cycles after which a command ends.
+/// Key of the input of a command with the number of cycles after which the command ends.
 const LIMIT: &str = "limit";
 
-/// A command of about `size` primitives, half of them with state, that moves seven axes and ends after the number of
-/// cycles given by its input.
+/// Returns a command of about `size` primitives, half of them with state. The command moves seven axes and ends after
+/// the number of cycles that its input gives.
 fn net(size: usize) -> Net {
     let root = FragmentId::ROOT;
     let mut b = NetBuilder::new("Chain");
@@ -65,7 +66,8 @@ fn net(size: usize) -> Net {
     b.net
 }
 
-/// Measures the instructions of a takeover: those of ticks with one, minus those of as many ticks without.
+/// Adds the number of processor instructions of a takeover to the table: the instructions of a round with a takeover,
+/// minus those of a round without one.
 pub(crate) fn rows(table: &mut Table) {
     for size in [10, 100, 1000, 10_000] {
         let row = format!("switch, commands of {size}");
@@ -84,7 +86,8 @@ pub(crate) fn rows(table: &mut Table) {
     }
 }
 
-/// Instructions of a takeover, and of a tick without one.
+/// Returns the number of processor instructions of a takeover, and of a tick without one; `None` if valgrind is not
+/// available.
 fn instructions(image: &Image) -> Option<(f64, f64)> {
     let count = |rounds: u64, switches: bool| {
         with_temp_dir(|dir| {
@@ -115,7 +118,8 @@ fn callgrind(path: &Path, rounds: u64, switches: bool) -> Option<f64> {
     line.split_whitespace().last()?.parse().ok()
 }
 
-/// Runs rounds of eight ticks, with a takeover in the middle of each or without.
+/// Runs rounds of eight ticks with two commands. If `switches` is true, the second command takes over in the middle of
+/// each round; else the first one runs to the end of the round.
 pub(crate) fn run_rounds(path: &Path, rounds: u64, switches: bool) {
     let bytes = std::fs::read(path).unwrap_or_default();
     let image = Arc::new(Image::from_bytes(&bytes).expect("it was written by us"));
@@ -146,7 +150,7 @@ fn insert(core: &mut Core, image: &Arc<Image>, limit: f64, bank: &mut FakeDevice
     id.expect("there is room")
 }
 
-/// Empties the core for the next round.
+/// Removes the two commands and all pending notices from the core, so that the next round starts with an empty core.
 fn clear(core: &mut Core, ids: [CommandId; 2], bank: &mut FakeDevices) {
     for id in ids {
         // A command that has ended or never ran cannot be aborted; the error is expected.
@@ -156,7 +160,7 @@ fn clear(core: &mut Core, ids: [CommandId; 2], bank: &mut FakeDevices) {
     while core.next_notice().is_some() || core.take_finished_rule().is_some() {}
 }
 
-/// Runs one tick; a separate function so that callgrind can find it.
+/// Runs one tick of the core. The function is not inlined, so that callgrind can find it by its name.
 #[inline(never)]
 fn counted_tick(core: &mut Core, bank: &mut FakeDevices) {
     core.tick(bank, 0, &mut ());

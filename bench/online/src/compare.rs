@@ -5,10 +5,10 @@ use crate::reference::{Reference, Request, run};
 use crate::verify::errors;
 use rpi_motion::online::{MotionOptions, OnlineMotion, Synchronization};
 
-/// Requests per call of the script.
+/// Number of motion requests for which the Python script is called once.
 const BATCH: u64 = 20_000;
 
-/// Counts of a comparison.
+/// Numbers of requests by the result of their comparison with `ruckig`.
 #[derive(Default)]
 struct Tally {
     cases: u64,
@@ -81,7 +81,7 @@ impl Tally {
     }
 }
 
-/// Compares motions of one axis.
+/// Compares `count` random motions of one axis with those of `ruckig`, and prints the numbers of deviations.
 pub fn single(count: u64, seed: u64) {
     let mut random = Random::new(seed);
     let mut tally = Tally::default();
@@ -109,7 +109,8 @@ pub fn single(count: u64, seed: u64) {
     tally.report();
 }
 
-/// Compares synchronised motions of three axes.
+/// Compares `count` random synchronised motions of three axes with those of `ruckig`, and prints the numbers of
+/// deviations.
 pub fn together(count: u64, seed: u64) {
     let mut random = Random::new(seed);
     let mut tally = Tally::default();

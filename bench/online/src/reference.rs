@@ -6,26 +6,27 @@ use std::process::Command;
 
 use crate::cases::Case;
 
-/// Result of `ruckig` for a request.
+/// Motion that the Python package `ruckig` computed for a request.
 #[derive(Clone, Copy, Debug)]
 pub struct Reference {
-    /// Whether there is a motion.
+    /// True if `ruckig` found a motion.
     pub is_planned: bool,
-    /// Duration, s.
+    /// Duration of the motion that `ruckig` computed, in seconds.
     pub duration: f64,
-    /// Largest error of position, velocity and acceleration at the end.
+    /// Largest deviations of the motion from the target at its end, over all axes: position, velocity and acceleration.
+    /// That of the velocity includes the excess over the velocity limits, relative to the limit.
     pub errors: [f64; 3],
-    /// Time of the calculation, s.
+    /// Time that `ruckig` needed to compute the motion, in seconds.
     pub calculation: f64,
 }
 
-/// Request for several axes, with its synchronisation and minimum duration.
+/// Request for a motion of one or several axes, with the kind of synchronisation and the minimum duration.
 pub struct Request<'a> {
-    /// The axes.
+    /// Start, target and limits of each axis.
     pub axes: &'a [Case],
-    /// Synchronisation.
+    /// Kind of synchronisation of the axes: none, by time (the axes end at the same time) or by phase.
     pub synchronization: Synchronization,
-    /// Minimum duration, s.
+    /// Time in seconds before which the motion must not end; 0 for no such time.
     pub minimum_duration: f64,
 }
 
@@ -67,7 +68,8 @@ impl Request<'_> {
     }
 }
 
-/// Returns the results of `ruckig`, or `None` with a message if it is not installed.
+/// Returns the motions that `ruckig` computes for the requests, in the same order. If the package is not installed,
+/// prints a message and returns `None`.
 pub fn run<'a>(requests: impl Iterator<Item = Request<'a>>) -> Option<Vec<Reference>> {
     let python = std::env::var("RPI_PYTHON").unwrap_or_else(|_| "python3".into());
     let probe = Command::new(&python).args(["-c", "import ruckig"]).output();

@@ -6,8 +6,9 @@ use rpi_net::{FragmentId, Input, Net, NodeId, PortRef};
 
 const ROOT: FragmentId = FragmentId::ROOT;
 
-/// A chain of `stages` filters in transposed direct form II, with 11 primitives each and the input `x`.
-/// The last output is exported as `y`. The DC gain of each filter is 1, so that no value becomes subnormal.
+/// Returns a net with a chain of `stages` second-order filters (transposed direct form II) of 11 primitives each. The
+/// first filter reads the input `x`, and the last output is exported as `y`. The DC gain of each filter is 1, so that
+/// no value becomes subnormal.
 #[must_use]
 pub fn biquad(stages: usize) -> Net {
     let mut b = NetBuilder::new("biquad");
@@ -20,7 +21,8 @@ pub fn biquad(stages: usize) -> Net {
     b.net
 }
 
-/// One filter: y = b0 x + s1; s1' = b1 x - a1 y + s2; s2' = b2 x - a2 y.
+/// Adds one filter to the net and returns its output: y = b0 x + s1; s1' = b1 x - a1 y + s2; s2' = b2 x - a2 y. The
+/// states s1 and s2 start with 0, and ' marks their values in the next cycle.
 fn stage(b: &mut NetBuilder, x: PortRef, [b0, b1, b2, a1, a2]: [f64; 5]) -> PortRef {
     let ((s1, d1), (s2, d2)) = (delayed(b), delayed(b));
     let y = scaled(b, x, b0);
@@ -37,7 +39,8 @@ fn stage(b: &mut NetBuilder, x: PortRef, [b0, b1, b2, a1, a2]: [f64; 5]) -> Port
     y
 }
 
-/// Adds a delay of a real with the initial value 0. Returns its output and the node to connect.
+/// Adds a delay of a real with the initial value 0. Returns its output, and the node whose in-port 0 is to be
+/// connected.
 pub(super) fn delayed(b: &mut NetBuilder) -> (PortRef, NodeId) {
     if let Some(pre) = b.total_delay(ROOT, Scalar::Real) {
         return (pre, pre.node);
@@ -48,7 +51,7 @@ pub(super) fn delayed(b: &mut NetBuilder) -> (PortRef, NodeId) {
     (b.add(ROOT, "Core::DoubleConditional", &inputs), pre.node)
 }
 
-/// Adds the input `x`.
+/// Adds the input `x` to the net and returns its value.
 pub(super) fn input(b: &mut NetBuilder) -> PortRef {
     let key = ("Key", Value::Str("x".into()));
     b.add_with(ROOT, "Core::DoubleNetcommIn", &[], &[key])

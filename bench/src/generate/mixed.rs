@@ -7,9 +7,10 @@ use rpi_net::{FragmentId, Input, Net, NodeId, PortRef};
 
 const ROOT: FragmentId = FragmentId::ROOT;
 
-/// A net of about `size` primitives: one third sums and differences, one third products, the rest choices, comparisons,
-/// logic and delays, in random order. Inputs prefer recent outputs, so that chains are long, and every output is used.
-/// Values stay bounded for an input `x` between -1 and 1. The sum of the unused outputs is exported as `y`.
+/// Returns a random net of about `size` primitives: one third sums and differences, one third products, the rest
+/// choices, comparisons, logic and delays. Inputs prefer recent outputs, so that chains are long, and every output is
+/// used. Values stay bounded for an input `x` between -1 and 1. The sum of the unused outputs is exported as `y`. Equal
+/// seeds give equal nets.
 #[must_use]
 pub fn mixed(size: usize, seed: u64) -> Net {
     let mut net = Mixed::new(seed);
@@ -55,7 +56,8 @@ impl Mixed {
         }
     }
 
-    /// Returns a random output to read: an unused one if there is any, else one of the last hundred.
+    /// Returns a random output of type real for a node to read: with probability 1/2 an unused one if there is any,
+    /// else one of the last hundred.
     fn real(&mut self) -> PortRef {
         if self.rng.below(2) == 0
             && let Some(port) = self.unused.pop()
@@ -76,7 +78,8 @@ impl Mixed {
         self.unused.push(port);
     }
 
-    /// Adds a sum or a difference, with a factor on one side and a factor for the result, so that values stay bounded.
+    /// Adds a sum or a difference of two flows, with a factor on one of them and a factor on the result, so that values
+    /// stay bounded.
     fn add_scaled(&mut self) {
         let (a, b) = (self.real(), self.real());
         let factor = self.rng.real(-0.5, 0.5);

@@ -6,8 +6,9 @@ use rpi_net::{FragmentId, Input, Net, PortRef};
 
 const ROOT: FragmentId = FragmentId::ROOT;
 
-/// A net of `loops` independent control loops with 26 primitives each: a PID controller with saturation and
-/// anti-windup, and its plant, with the set-point `x`. The sum of all outputs is exported as `y`.
+/// Returns a net of `loops` independent control loops of 26 primitives each: a PID controller with saturation and
+/// anti-windup, and its plant. The input `x` is the set-point of all loops; the sum of their outputs is exported as
+/// `y`.
 #[must_use]
 pub fn pid(loops: usize) -> Net {
     let mut b = NetBuilder::new("pid");
@@ -53,7 +54,8 @@ fn control_loop(b: &mut NetBuilder, target: PortRef, gain: f64) -> PortRef {
     next
 }
 
-/// The value limited to plus and minus `limit`, and whether it was within the limits.
+/// Adds a limiter to the net. Returns the value `x` limited to plus and minus `limit`, and a Boolean that is true if
+/// `x` was within the limits.
 fn saturated(b: &mut NetBuilder, x: PortRef, limit: f64) -> (PortRef, PortRef) {
     let high = b.add(ROOT, "Core::DoubleGreater", &[Input::Port(x), real(limit)]);
     let low = b.add(ROOT, "Core::DoubleGreater", &[real(-limit), Input::Port(x)]);

@@ -2,7 +2,8 @@
 
 use super::{lines, names};
 
-/// Returns a program whose size grows with `n`: each flow reads the previous one; all flows are declared.
+/// Returns a Lustre program of about `n` equations for benchmarks: a chain in which each flow reads the previous one.
+/// All flows are declared with their types.
 pub(super) fn chain_declared(n: usize) -> String {
     let flows = names("x", n);
     let body = lines(n, |k| match k {
@@ -15,8 +16,8 @@ pub(super) fn chain_declared(n: usize) -> String {
     )
 }
 
-/// Returns a program whose size grows with `n`: each flow reads the next one in the text, without declarations, so that
-/// types are inferred.
+/// Returns a program of about `n` equations for benchmarks: a chain in which each flow reads the next one in the text.
+/// The flows are not declared, so that their types are inferred.
 pub(super) fn chain(n: usize) -> String {
     let body = lines(n, |k| match n - 1 - k {
         0 => "  x0 = u;".to_owned(),
@@ -28,7 +29,7 @@ pub(super) fn chain(n: usize) -> String {
     )
 }
 
-/// Returns a program whose size grows with `n`: each flow is a copy of the next one.
+/// Returns a program of about `n` equations for benchmarks: each flow is a copy of the next one in the text.
 pub(super) fn copies(n: usize) -> String {
     let body = lines(n, |k| format!("  x{k} = x{};", k + 1));
     let flows = names("x", n + 1);
@@ -37,7 +38,8 @@ pub(super) fn copies(n: usize) -> String {
     )
 }
 
-/// Returns a program whose size grows with `n`: half of the flows read only in-ports; the others sum them up.
+/// Returns a Lustre program of about `n` equations for benchmarks: half of the flows read only in-ports, and the other
+/// half sums them up.
 pub(super) fn layer(n: usize) -> String {
     let half = (n / 2).max(1);
     let products = lines(half, |k| format!("  p{k} = a{} * a{};", k % 16, k % 7));
@@ -54,7 +56,8 @@ pub(super) fn layer(n: usize) -> String {
     )
 }
 
-/// Returns a program whose size grows with `n`: counters and edge detectors: state in every equation.
+/// Returns a program of about `n` equations for benchmarks: counters and edge detectors, with a delay in most
+/// equations.
 pub(super) fn delays(n: usize) -> String {
     let third = (n / 3).max(1);
     let body = lines(third, |k| {
@@ -73,7 +76,8 @@ pub(super) fn delays(n: usize) -> String {
     )
 }
 
-/// Returns a program whose size grows with `n`: one array of all values, and iterators over it.
+/// Returns a Lustre program for benchmarks: arrays with `n` values together, and iterators (`map`, `red`, `fillred`)
+/// over them.
 pub(super) fn arrays(n: usize) -> String {
     let size = (n / 4).max(1);
     format!(
@@ -85,8 +89,8 @@ pub(super) fn arrays(n: usize) -> String {
     )
 }
 
-/// Returns a program whose size grows with `n`: small arrays, each computed from the previous one by slice,
-/// concatenation, `with` and element access.
+/// Returns a program of about `n` equations for benchmarks: a chain of small arrays, each computed from the previous
+/// one by slice, concatenation, `with` and element access.
 pub(super) fn array_chain(n: usize) -> String {
     let body = lines(n, |k| match k {
         0 => "  a0 = u;".to_owned(),

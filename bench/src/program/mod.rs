@@ -7,18 +7,18 @@ mod bodies;
 mod errors;
 mod parts;
 
-/// A generator of benchmark programs: a named pattern of equations, of any size.
+/// Generator of benchmark programs with one pattern of equations, in any size.
 #[derive(Clone, Copy)]
 pub struct Shape {
-    /// Short name of the pattern, shown in the table of the benchmark.
+    /// Name of the pattern, shown in the table of the benchmark.
     pub name: &'static str,
-    /// File extension of the generated text: `rpi` or `lus`.
+    /// File extension of the generated program, which gives its language: `rpi` or `lus`.
     pub extension: &'static str,
     write: fn(usize) -> String,
 }
 
 impl Shape {
-    /// A program of about `equations` equations.
+    /// Returns the text of a program with about this number of equations.
     #[must_use]
     pub fn text(&self, equations: usize) -> String {
         (self.write)(equations)
@@ -33,7 +33,7 @@ const fn shape(name: &'static str, ending: &'static str, write: fn(usize) -> Str
     }
 }
 
-/// Programs without diagnostics.
+/// Patterns of programs without errors and warnings.
 pub const VALID: &[Shape] = &[
     shape("chain", "lus", bodies::chain_declared),
     shape("chain", "rpi", bodies::chain),
@@ -52,7 +52,7 @@ pub const VALID: &[Shape] = &[
     shape("commands", "rpi", parts::commands),
 ];
 
-/// Programs with many diagnostics of the kind in their name.
+/// Patterns of programs with many diagnostics of the kind that the name gives.
 pub const INVALID: &[Shape] = &[
     shape("broken items", "rpi", errors::broken_items),
     shape("broken equations", "rpi", errors::broken_equations),
@@ -68,7 +68,8 @@ pub const INVALID: &[Shape] = &[
     shape("absent", "rpi", errors::absent),
 ];
 
-/// A hand-written file: a module of the library without its tests, 300 lines long, that uses another module.
+/// Returns a hand-written program of 300 lines: a module of the standard library without its tests, which uses another
+/// module.
 #[must_use]
 pub fn library_program() -> &'static str {
     let module = include_str!("../../../stdlib/motion.rpi");
@@ -77,7 +78,7 @@ pub fn library_program() -> &'static str {
         .map_or(module, |tests| &module[..tests])
 }
 
-/// Concatenates `line(k)` for each k below `count`, each on a line of its own.
+/// Returns the texts `line(0)`, `line(1)`, ... up to `count` texts, each on a line of its own.
 fn lines(count: usize, line: impl Fn(usize) -> String) -> String {
     let mut text = String::new();
     for k in 0..count {
@@ -87,7 +88,7 @@ fn lines(count: usize, line: impl Fn(usize) -> String) -> String {
     text
 }
 
-/// The list `prefix0, prefix1, ...`.
+/// Returns the list of names `prefix0, prefix1, ...` with `count` names.
 fn names(prefix: &str, count: usize) -> String {
     let names: Vec<String> = (0..count).map(|k| format!("{prefix}{k}")).collect();
     names.join(", ")

@@ -2,10 +2,11 @@
 
 use super::{lines, names};
 
-/// Number of equations in each generated node, fragment or command.
+/// Number of equations in the body of each generated node.
 const EQUATIONS_PER_PART: usize = 8;
 
-/// Returns a program whose size grows with `n`: many small nodes, and a node that calls each of them once in a chain.
+/// Returns a Lustre program of about `n` equations for benchmarks: many small nodes, and a node that calls each of them
+/// once in a chain.
 pub(super) fn nodes(n: usize) -> String {
     let count = (n / (EQUATIONS_PER_PART + 2)).max(1);
     let parts = lines(count, |k| {
@@ -30,7 +31,8 @@ pub(super) fn nodes(n: usize) -> String {
     )
 }
 
-/// Returns a program whose size grows with `n`: one node of ten equations that is called many times.
+/// Returns a program of about `n` equations after inlining for benchmarks: one small node that another node calls many
+/// times.
 pub(super) fn calls(n: usize) -> String {
     let count = (n / (EQUATIONS_PER_PART + 2)).max(1);
     let body = lines(EQUATIONS_PER_PART, |e| match e {
@@ -49,7 +51,8 @@ pub(super) fn calls(n: usize) -> String {
     )
 }
 
-/// Returns a program whose size grows with `n`: each node calls the one below it ten times: few lines, many equations.
+/// Returns a program of about `n` equations after inlining for benchmarks: each node calls the previous one ten times,
+/// so that few lines give many equations.
 pub(super) fn ladder(n: usize) -> String {
     let mut text =
         "node part0 (u: real) returns (y: real)\nlet y = u -> pre u * 0.5; tel\n".to_owned();
@@ -68,7 +71,8 @@ pub(super) fn ladder(n: usize) -> String {
     text
 }
 
-/// Returns a program whose size grows with `n`: fragments side by side, each read by the next one.
+/// Returns a program of about `n` equations for benchmarks: fragments side by side, each of which reads the result of
+/// the previous one.
 pub(super) fn fragments(n: usize) -> String {
     let count = (n / 5).max(1);
     let body = lines(count, |k| {
@@ -87,7 +91,7 @@ pub(super) fn fragments(n: usize) -> String {
     )
 }
 
-/// Returns a program whose size grows with `n`: automata of two states side by side.
+/// Returns a program of about `n` equations for benchmarks: automata of two states each, side by side.
 pub(super) fn automata(n: usize) -> String {
     let count = (n / 5).max(1);
     let body = lines(count, |k| {
@@ -106,7 +110,7 @@ pub(super) fn automata(n: usize) -> String {
     )
 }
 
-/// Returns a program whose size grows with `n`: one automaton of many states.
+/// Returns a program of about `n` equations for benchmarks: one automaton of many states.
 pub(super) fn automaton(n: usize) -> String {
     let count = (n / 5).max(2);
     let states = lines(count, |k| {
@@ -119,7 +123,7 @@ pub(super) fn automaton(n: usize) -> String {
     format!("node whole (go: bool) returns (y: int)\nlet\n  automaton\n{states}  end\ntel\n")
 }
 
-/// Returns a program whose size grows with `n`: sampled flows: one clock for every five equations.
+/// Returns a Lustre program of about `n` equations for benchmarks: sampled flows with a clock for every five equations.
 pub(super) fn clocks(n: usize) -> String {
     let count = (n / 5).max(1);
     let body = lines(count, |k| {
@@ -144,7 +148,7 @@ pub(super) fn clocks(n: usize) -> String {
     )
 }
 
-/// Returns a program whose size grows with `n`: commands with one fragment each.
+/// Returns a program of about `n` equations for benchmarks: commands with one fragment each.
 pub(super) fn commands(n: usize) -> String {
     let count = (n / 5).max(1);
     lines(count, |k| {

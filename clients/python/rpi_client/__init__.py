@@ -9,7 +9,7 @@
         ending = await goal.result()
 """
 
-from ._core import Core, RpiError, connect
+from ._core import Core, Identity, RpiError, connect
 from ._goal import Ending, Feedback, Goal, Overruns, Session, Step, Task, TaskEnd
 
 __all__ = [
@@ -17,6 +17,7 @@ __all__ = [
     "Ending",
     "Feedback",
     "Goal",
+    "Identity",
     "Overruns",
     "RpiError",
     "Session",

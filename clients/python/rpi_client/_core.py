@@ -6,6 +6,7 @@ import asyncio
 import itertools
 import json
 import ssl
+from dataclasses import dataclass
 from types import TracebackType
 from typing import TYPE_CHECKING, Any, Callable
 
@@ -25,10 +26,23 @@ class RpiError(Exception):
     ``code`` is one of the server's (see its manual), ``reasons`` has every reason where there are several.
     """
 
+    #: Code of a request for which the role of the client has no right.
+    FORBIDDEN = -32009
+
     def __init__(self, code: int, message: str, reasons: list[str]) -> None:
         super().__init__(message)
         self.code = code
         self.reasons = reasons
+
+
+@dataclass(frozen=True)
+class Identity:
+    """Who this client is to the server: the ``name`` of its token (None without one), its ``role`` (``viewer``, ``operator``,
+    ``programmer`` or ``admin``), and the ``rights`` of the role (``watch``, ``stop``, ``move``, ``load``, ``reset``, ``release``, ``manage``)."""
+
+    name: str | None
+    role: str
+    rights: tuple[str, ...]
 
 
 class Core:
@@ -63,12 +77,18 @@ class Core:
         opened = await self.call("session.open", name=name, on_loss=on_loss, grace=grace)
         return Session(self, opened["session"])
 
+    async def identity(self) -> Identity:
+        """Returns the name, the role and the rights of this client, by its token or its Unix socket."""
+        described = await self.call("client.describe")
+        return Identity(described["name"], described["role"], tuple(described["rights"]))
+
     async def emergency_stop(self, by: str = "a client") -> None:
         """Stops everything at once, whoever it belongs to; nothing can be started until :meth:`reset_emergency`."""
         await self.call("emergency.stop", by=by)
 
     async def reset_emergency(self) -> None:
-        """Lets commands start again after an emergency stop; :class:`RpiError` while devices are still braking."""
+        """Lets commands start again after an emergency stop; :class:`RpiError` while devices are still braking, and if the
+        operator requested the stop and the role of this client is neither ``operator`` nor ``admin``."""
         await self.call("emergency.reset")
 
     async def set_override(self, share: float) -> None:

@@ -4,8 +4,10 @@
 """
 
 import asyncio
+import contextlib
 import os
 import shutil
+import signal
 import ssl
 import subprocess
 import tempfile
@@ -201,8 +203,9 @@ class ClientTest(unittest.IsolatedAsyncioTestCase):
         make = ["openssl", "req", "-x509", "-newkey", "ec", "-pkeyopt", "ec_paramgen_curve:prime256v1", "-nodes"]
         about = ["-days", "2", "-subj", "/CN=localhost", "-addext", "subjectAltName=DNS:localhost"]
         subprocess.run([*make, *about, "-keyout", key, "-out", cert], check=True, capture_output=True)
-        with open(token, "w") as file:
+        with open(token, "w", opener=lambda path, flags: os.open(path, flags, 0o600)) as file:
             file.write("secret-of-these-tests\n")
+        os.chmod(key, 0o600)
         self.serve("--tls-cert", cert, "--tls-key", key, "--token-file", token)
         trust, address = ssl.create_default_context(cafile=cert), f"wss://localhost:{self.port}"
         with self.assertRaisesRegex(ConnectionError, "401 Unauthorized: the token is wrong"):
@@ -220,6 +223,34 @@ class ClientTest(unittest.IsolatedAsyncioTestCase):
             goal = await (await core.open_session("test")).load(COUNT)
             await goal.start()
             self.assertEqual((await goal.result()).cycles, 300)
+
+    async def test_roles(self) -> None:
+        self.stop()
+        token = os.path.join(self.folder.name, "token")
+        with open(token, "w", opener=lambda path, flags: os.open(path, flags, 0o600)) as file:
+            file.write("panel viewer secret-of-the-panel\nanna operator secret-of-the-operator\n")
+        self.serve("--token-file", token, "--socket", self.path)
+        address = f"ws://localhost:{self.port}"
+        async with await connect(address, token="secret-of-the-panel") as panel:
+            identity = await panel.identity()
+            self.assertEqual((identity.name, identity.role, identity.rights), ("panel", "viewer", ("stop", "watch")))
+            with self.assertRaisesRegex(RpiError, "session.open needs the right to load") as caught:
+                await panel.open_session("test")
+            self.assertEqual(caught.exception.code, RpiError.FORBIDDEN)
+            await panel.emergency_stop("the panel")
+            with self.assertRaises(RpiError):
+                await panel.reset_emergency()
+        async with await connect(address, token="secret-of-the-operator") as anna:
+            await anna.reset_emergency()
+            self.server.send_signal(signal.SIGQUIT)
+            while not (await anna.call("emergency.state"))["stopped"]:
+                await asyncio.sleep(0.02)
+            async with await connect(self.path) as programmer:
+                with self.assertRaisesRegex(RpiError, "the operator requested the emergency stop"):
+                    await programmer.reset_emergency()
+            while (await anna.call("emergency.state"))["stopped"]:
+                with contextlib.suppress(RpiError):
+                    await anna.reset_emergency()
 
     async def test_every_reason_is_updates(self) -> None:
         async with await connect(self.path) as core:

@@ -15,41 +15,43 @@ use tungstenite::{Message, WebSocket};
 
 use crate::error::Error;
 use crate::goal::{OnLoss, Session};
+use crate::identity::Identity;
 
-/// Read timeout of the websocket, after which pending requests are sent.
+/// Read timeout of the websocket. The connection thread waits so long for a message before it sends pending requests.
 const READ_TIMEOUT: Duration = Duration::from_millis(2);
 
-/// Transport of a connection: plain TCP or TLS.
+/// Transport of a connection: a plain TCP or a TLS stream.
 pub(crate) trait Stream: Read + Write + Send {}
 impl<T: Read + Write + Send> Stream for T {}
 
-/// Receiver of the updates of a command or task.
+/// Channel to which the connection thread sends the updates of a command or task.
 pub(crate) type UpdateSender = Sender<Value>;
 
-/// A request to the connection thread.
+/// Message to the connection thread: a call of a method of the server, or a registration for the updates of a command
+/// or task.
 enum WorkerRequest {
     Call(String, Value, Sender<Result<Value, Error>>),
     Listen(String, UpdateSender),
 }
 
-/// Connection to a control core.
+/// Connection to a control core. Clones share the connection.
 #[derive(Clone, Debug)]
 pub struct Client(Sender<WorkerRequest>);
 
 impl Client {
-    /// Connects to a control core at `address:port`, with a token if the server requires one.
+    /// Connects to the control core at `address` (`host:port`), with a token if the server requires one.
     ///
     /// # Errors
-    /// If the connection fails or the server rejects it.
+    /// Returns an error if the connection fails or the server rejects it.
     pub fn connect(address: &str, token: Option<&str>) -> Result<Client, Error> {
         Client::connect_over(address, token, |stream| Ok(Box::new(stream)))
     }
 
-    /// Connects over TLS to a control core at `address:port`. Its certificate must be in the PEM file `authorities` or
-    /// be signed by one in it.
+    /// Connects over TLS to the control core at `address` (`host:port`). The certificate of the server must be in the
+    /// PEM file `authorities`, or be signed by one in it.
     ///
     /// # Errors
-    /// If the connection fails, the certificate is not valid, or the server rejects the connection.
+    /// Returns an error if the connection fails, the certificate is not valid, or the server rejects the connection.
     #[cfg(feature = "tls")]
     pub fn connect_tls(
         address: &str,
@@ -92,7 +94,7 @@ impl Client {
     /// Calls a method of the server and waits for its result.
     ///
     /// # Errors
-    /// If the server refuses the request or the connection is closed.
+    /// Returns an error if the server rejects the request or the connection is closed.
     pub fn call(&self, method: &str, params: Value) -> Result<Value, Error> {
         let (answer, result) = channel();
         let order = WorkerRequest::Call(method.to_owned(), params, answer);
@@ -100,21 +102,31 @@ impl Client {
         result.recv().map_err(Error::connection)?
     }
 
-    /// Opens a session. `on_loss` is the policy for its commands when the connection ends.
+    /// Opens a session, which owns the commands and tasks that are loaded in it. `on_loss` is the policy for its
+    /// commands when the connection ends.
     ///
     /// # Errors
-    /// See [`call`](Self::call).
+    /// Returns an error like [`call`](Self::call).
     pub fn open_session(&self, name: &str, on_loss: OnLoss) -> Result<Session, Error> {
         let params = json!({"name": name, "on_loss": on_loss.name()});
         let opened = self.call("session.open", params)?;
         Ok(Session::new(self.clone(), &opened["session"]))
     }
 
-    /// Emergency stop: stops all commands of all clients at once. Nothing can be started until the
-    /// [reset](Client::reset_emergency). `by` names who requested it, or the reason.
+    /// Returns the identity of this client as the server sees it: the name of its token, its role and its rights.
     ///
     /// # Errors
-    /// If the connection is closed.
+    /// Returns an error if the connection is closed.
+    pub fn identity(&self) -> Result<Identity, Error> {
+        let described = self.call("client.describe", json!({}))?;
+        Ok(Identity::from_json(&described))
+    }
+
+    /// Emergency stop: stops all commands of all clients at once. No command can be started until the
+    /// [reset](Client::reset_emergency). `by` names the person who requested the stop, or the reason.
+    ///
+    /// # Errors
+    /// Returns an error if the connection is closed.
     pub fn emergency_stop(&self, by: &str) -> Result<(), Error> {
         self.call("emergency.stop", json!({"by": by})).map(drop)
     }
@@ -122,24 +134,25 @@ impl Client {
     /// Resets an emergency stop, so that commands can be started again.
     ///
     /// # Errors
-    /// If devices are still braking.
+    /// Returns an error if devices are still braking, or if the operator requested the stop and the role of this client
+    /// is neither `operator` nor `admin`.
     pub fn reset_emergency(&self) -> Result<(), Error> {
         self.call("emergency.reset", json!({})).map(drop)
     }
 
-    /// Sets the share of the speed, from 0 to 1, at which all motions of the library go.
+    /// Sets the speed override of all motions of the library: the share of the programmed speed, from 0 to 1.
     ///
     /// # Errors
-    /// If the share is not from 0 to 1, or the connection is closed.
+    /// Returns an error if the share is not from 0 to 1, or the connection is closed.
     pub fn set_override(&self, share: f64) -> Result<(), Error> {
         let params = json!({"override": share});
         self.call("motion.set", params).map(drop)
     }
 
-    /// Pauses all motions of the library on their paths (`true`), or lets them go on (`false`).
+    /// Pauses all motions of the library on their paths (`true`), or lets them continue (`false`).
     ///
     /// # Errors
-    /// If the connection is closed.
+    /// Returns an error if the connection is closed.
     pub fn set_paused(&self, paused: bool) -> Result<(), Error> {
         self.call("motion.set", json!({"paused": paused})).map(drop)
     }
@@ -150,10 +163,10 @@ impl Client {
     }
 }
 
-/// Timeout for the server's answer to the websocket handshake.
+/// Maximum time in which the server must respond to the websocket handshake.
 const HANDSHAKE_TIMEOUT: Duration = Duration::from_secs(10);
 
-/// Converts a failed handshake to an error, with the message of the server if it sent one.
+/// Converts a failed websocket handshake to an error, with the message of the server if it sent one.
 fn handshake_error<R: HandshakeRole>(why: HandshakeError<R>) -> Error {
     let why = match why {
         HandshakeError::Interrupted(_) => return Error::connection("the server does not answer"),
@@ -169,8 +182,7 @@ fn handshake_error<R: HandshakeRole>(why: HandshakeError<R>) -> Error {
     }
 }
 
-/// State of the thread that owns the websocket: the socket, the requests waiting for an answer and the receivers of
-/// updates.
+/// State of the connection thread: the websocket, the requests that wait for a response, and the channels for updates.
 struct Worker {
     socket: WebSocket<Box<dyn Stream>>,
     requests: Receiver<WorkerRequest>,
@@ -190,7 +202,8 @@ impl Worker {
         }
     }
 
-    /// Sends and receives until every handle is dropped or the connection breaks. Pending calls then get an error.
+    /// Sends requests and receives messages until every handle of the connection is dropped or the connection breaks.
+    /// Pending calls then return an error.
     fn run(&mut self) {
         while self.send() && self.receive() {}
         let _ = self.socket.close(None);

@@ -4,19 +4,19 @@ use std::fmt;
 
 use serde_json::Value;
 
-/// Error of a request or connection.
+/// Error of a request to the control core, or of the connection.
 #[derive(Clone, PartialEq, Eq, Debug)]
 pub enum Error {
-    /// The server rejected the request.
+    /// The server has rejected the request.
     Refused {
-        /// Error code of the server; its manual has the table.
+        /// Error code of the server; the manual of the server lists the codes.
         code: i64,
-        /// Error message of the server.
+        /// Description of the error by the server.
         message: String,
-        /// All reasons, if there are several.
+        /// All reasons, if the server gives several; else empty.
         reasons: Vec<String>,
     },
-    /// The connection could not be opened or is closed; the text has the reason.
+    /// The connection could not be opened, or it is closed. The text has the reason.
     Connection(String),
 }
 
@@ -25,7 +25,7 @@ impl Error {
         Error::Connection(why.to_string())
     }
 
-    /// Creates the error for a command or task that was unloaded before it ran.
+    /// Creates the error for a command or task that was unloaded before it ran, so that it has no end.
     pub(crate) fn unloaded() -> Error {
         Error::Refused {
             code: -32001,

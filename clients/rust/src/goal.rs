@@ -11,15 +11,15 @@ use crate::connection::Client;
 use crate::error::Error;
 use crate::task::Task;
 
-/// Policy for a session's commands when its connection ends.
+/// Policy of a session for its commands when the connection of the client ends.
 #[derive(Clone, Copy, PartialEq, Eq, Default, Debug)]
 pub enum OnLoss {
-    /// Running commands are cancelled: each ends as its program defines for `cancel`, still on its path.
+    /// Running commands are cancelled: each ends as its program defines for `cancel`, and stays on its path meanwhile.
     #[default]
     Cancel,
-    /// Commands keep running.
+    /// Running commands continue without the client.
     RunOn,
-    /// Commands are aborted: they end at once, and their devices brake on their own.
+    /// Running commands are aborted: they end at once, and their devices brake on their own.
     Abort,
 }
 
@@ -33,13 +33,13 @@ impl OnLoss {
     }
 }
 
-/// Language of a source text.
+/// Language of a source text that a client loads.
 #[derive(Clone, Copy, PartialEq, Eq, Default, Debug)]
 pub enum Language {
-    /// A program in RPI.
+    /// The text is a program in RPI.
     #[default]
     Rpi,
-    /// Net in the text format of the reference system (`.rpinet`).
+    /// The text is a net in the format of the reference system (`.rpinet`).
     Rpinet,
 }
 
@@ -52,26 +52,27 @@ impl Language {
     }
 }
 
-/// Source text of a command or task, with load options.
+/// Source text of a command or task, with the options for loading it.
 #[derive(Clone, PartialEq, Debug)]
 pub struct Program {
-    /// Text in the language that `language` names.
+    /// Source text, in the language that `language` names.
     pub text: String,
-    /// Language of the text.
+    /// Language of the source text.
     pub language: Language,
     /// Name of the command or task within the text; `None` if there is only one.
     pub command: Option<String>,
-    /// Period; zero for one tick of the server.
+    /// Period of the command; zero for one tick of the server.
     pub period: Duration,
-    /// Minimum time between two updates of exported values.
+    /// Minimum time between two updates of exported values that the server sends.
     pub feedback_period: Duration,
-    /// Policy for cycles that take too long: `count`, `abort:N/M` (the command ends at the Nth overrun of M cycles) or
-    /// `stop:N/M` (everything is stopped). `None` for the server's default.
+    /// Policy for overruns (cycles that take too long): `count`, `abort:N/M` (the command ends at the Nth overrun
+    /// within M cycles) or `stop:N/M` (everything is stopped). `None` for the default of the server.
     pub on_overrun: Option<String>,
 }
 
 impl Program {
-    /// Creates an RPI program with a single command, the period of one tick and feedback every 20 ms.
+    /// Creates an RPI program with a single command, the period of one server tick, and updates of exported values
+    /// every 20 ms.
     #[must_use]
     pub fn new(text: impl Into<String>) -> Program {
         Program {
@@ -85,7 +86,7 @@ impl Program {
     }
 }
 
-/// A session. It owns the commands and tasks that are loaded in it.
+/// Session of a client on the server. It owns the commands and tasks that are loaded in it.
 #[derive(Clone, Debug)]
 pub struct Session {
     client: Client,
@@ -98,10 +99,10 @@ impl Session {
         Session { client, name }
     }
 
-    /// Loads a command. It runs once it is started.
+    /// Loads a command into the session. The command runs after [`Goal::start`] or as a successor ([`Goal::follow`]).
     ///
     /// # Errors
-    /// All reasons why the command cannot be loaded.
+    /// Returns an error with all reasons why the command cannot be loaded.
     pub fn load(&self, program: &Program) -> Result<Goal, Error> {
         let params = json!({
             "session": self.name,
@@ -126,10 +127,10 @@ impl Session {
         })
     }
 
-    /// Loads the task named by [`Program::command`]. It runs once it is started.
+    /// Loads the task that [`Program::command`] names into the session. The task runs after [`Task::start`].
     ///
     /// # Errors
-    /// All reasons why the task cannot be loaded.
+    /// Returns an error with all reasons why the task cannot be loaded.
     pub fn load_task(&self, program: &Program) -> Result<Task, Error> {
         let params = json!({
             "session": self.name,
@@ -141,11 +142,12 @@ impl Session {
         Task::load(&self.client, params)
     }
 
-    /// Adds a rule: when the condition `when` holds, the commands in `stop` are stopped, those in `cancel` cancelled
-    /// and those in `start` started, all between the same two cycles. Returns the name of the rule.
+    /// Adds a rule: as soon as the condition `when` is true, the commands in `stop` are stopped, those in `cancel` are
+    /// cancelled, and those in `start` are started, all between the same two cycles. Returns the name of the rule.
     ///
     /// # Errors
-    /// If the condition cannot be parsed, or if other commands hold resources that the commands in `start` need.
+    /// Returns an error if the condition cannot be parsed, or if other commands hold resources that the commands in
+    /// `start` need.
     pub fn add_rule(
         &self,
         when: &str,
@@ -164,75 +166,76 @@ impl Session {
         Ok(made["rule"].as_str().unwrap_or_default().to_owned())
     }
 
-    /// Withdraws the rule with this name, as returned by [`add_rule`](Self::add_rule).
+    /// Removes the rule with this name, as returned by [`add_rule`](Self::add_rule).
     ///
     /// # Errors
-    /// If the rule is unknown or has fired, or if one of its commands belongs to another client.
+    /// Returns an error if the rule is unknown or has been applied, or if one of its commands belongs to another
+    /// client.
     pub fn withdraw_rule(&self, rule: &str) -> Result<(), Error> {
         let params = json!({"rule": rule});
         self.client.call("rule.withdraw", params).map(drop)
     }
 
-    /// Aborts all commands of the session and closes it.
+    /// Aborts all commands of the session and closes the session.
     ///
     /// # Errors
-    /// If the connection is closed.
+    /// Returns an error if the connection is closed.
     pub fn close(self) -> Result<(), Error> {
         let params = json!({"session": self.name});
         self.client.call("session.close", params).map(drop)
     }
 }
 
-/// State and exports of a command. Values are texts that keep every bit.
+/// State of a command and its exported values. The values are texts that represent them exactly.
 #[derive(Clone, PartialEq, Eq, Default, Debug)]
 pub struct Feedback {
-    /// Life-cycle state: `ready`, `scheduled`, `running`, `cancelling` or `terminated`; `unloaded` if the command never
-    /// ran.
+    /// State of the command: `ready`, `scheduled`, `running`, `cancelling` or `terminated`; `unloaded` if the command
+    /// never ran.
     pub state: String,
-    /// Exported values by key.
+    /// Latest values of the exported flows, by the key of the export.
     pub values: BTreeMap<String, String>,
-    /// Description of the discontinuity between the command's first set-points and those of its predecessor, if there
-    /// was one.
+    /// Description of the discontinuity (jump) between the first set-points of the command and those of its
+    /// predecessor; `None` if there was none.
     pub discontinuity: Option<String>,
 }
 
-/// How a command has ended. A command that was unloaded before it ran has no ending: see [`Goal::result`].
+/// Way in which a command has ended. A command that was unloaded before it ran has no ending: see [`Goal::result`].
 #[derive(Clone, PartialEq, Eq, Debug)]
 pub struct Ending {
-    /// Kind of ending: `result`, `terminate`, `fault`, `aborted` or `stopped by a rule`.
+    /// Cause of the end: `result`, `terminate`, `fault`, `aborted` or `stopped by a rule`.
     pub cause: String,
-    /// Name of the result, if the kind is `result`.
+    /// Name of the result of the command, if the cause is `result`; else `None`.
     pub result: Option<String>,
-    /// Error number; 0 if there is no error.
+    /// Error number of the command; 0 if there is no error.
     pub error: i64,
     /// Number of cycles that the command has run.
     pub cycles: u64,
-    /// Description of the fault, or reason of the abort.
+    /// Description of the fault, or reason of the abort; `None` for other causes.
     pub why: Option<String>,
     /// Path of the node with the fault, of the fragment whose cycles took too long, or of the node that commanded a
-    /// device which had to brake.
+    /// device which had to brake; `None` for a normal end.
     pub location: Option<String>,
-    /// Position `line:column` of `location`, if it is in the text of the command.
+    /// Position `line:column` of `location` in the text of the command; `None` if it is elsewhere.
     pub position: Option<String>,
-    /// Devices that the command left moving and that have braked on their own.
+    /// Names of the devices that the command left moving at its end, and that have braked on their own.
     pub braked: Vec<String>,
-    /// Description of the discontinuity between the command's first set-points and those of its predecessor, if there
-    /// was one: actuator, quantity, value and limit.
+    /// Description of the discontinuity (jump) between the first set-points of the command and those of its
+    /// predecessor: actuator, quantity, value and limit. `None` if there was none.
     pub discontinuity: Option<String>,
 }
 
-/// Loaded command of a session, which the client can start, observe and cancel.
+/// Loaded command of a session, which the client can start, observe and cancel. The name is that of ROS actions.
 #[derive(Debug)]
 pub struct Goal {
     client: Client,
     name: String,
     updates: Receiver<Value>,
-    /// Ending of the command, or the error that prevents waiting for it; `None` until one of them is known.
+    /// Ending of the command, or the error that prevents waiting for the ending; `None` until one of them is known.
     end: RefCell<Option<Result<Ending, Error>>>,
 }
 
 impl Goal {
-    /// Returns the name of the command at the server.
+    /// Returns the name that the server has given to the command.
     #[must_use]
     pub fn name(&self) -> &str {
         &self.name
@@ -246,67 +249,68 @@ impl Goal {
         self.client.call(method, params).map(drop)
     }
 
-    /// Starts the command.
+    /// Starts the command on the server.
     ///
     /// # Errors
-    /// If another command holds a resource that it needs.
+    /// Returns an error if another command holds a resource that this command needs.
     pub fn start(&self) -> Result<(), Error> {
         self.request("command.start", &Value::Null)
     }
 
     /// Schedules the command as the successor of `after`. It starts in the cycle after the last one of `after`, if
-    /// `after` ends with one of `results`; an empty list means any regular end.
+    /// `after` ends with one of `results`; an empty list stands for any regular end.
     ///
     /// # Errors
-    /// If other commands hold resources that it needs.
+    /// Returns an error if other commands hold resources that this command needs.
     pub fn follow(&self, after: &Goal, results: &[&str]) -> Result<(), Error> {
         let more = json!({"after": after.name, "results": results});
         self.request("command.schedule", &more)
     }
 
-    /// Sets an input. `value` is a literal in the notation of nets.
+    /// Sets an input of the command. `value` is a literal in the notation of nets, such as `{x:1.0,y:2.0,z:3.0}`.
     ///
     /// # Errors
-    /// If the input is unknown or the text is not a value of its type.
+    /// Returns an error if the input is unknown or the text is not a value of its type.
     pub fn set_input(&self, key: &str, value: &str) -> Result<(), Error> {
         self.request("command.set", &json!({"values": {key: value}}))
     }
 
-    /// Cancels the command. It decides itself how it ends, and stays on its path.
+    /// Cancels the command: the program decides how the command ends, and the devices stay on their paths.
     ///
     /// # Errors
-    /// If the command is not running.
+    /// Returns an error if the command is not running.
     pub fn preempt(&self) -> Result<(), Error> {
         self.request("command.cancel", &Value::Null)
     }
 
-    /// Ends the command at once. Devices stop within their own limits.
+    /// Aborts the command: it ends at once, and its devices stop within their own limits.
     ///
     /// # Errors
-    /// If the command is not running.
+    /// Returns an error if the command is not running.
     pub fn abort(&self) -> Result<(), Error> {
         self.request("command.abort", &Value::Null)
     }
 
-    /// Returns the overruns of the command.
+    /// Returns the overruns of the command: ticks of the server that ended too late because of the command.
     ///
     /// # Errors
-    /// If the command is unloaded or the connection is closed.
+    /// Returns an error if the command is unloaded or the connection is closed.
     pub fn overruns(&self) -> Result<Overruns, Error> {
         let params = json!({"command": self.name});
         let description = self.client.call("command.describe", params)?;
         Ok(Overruns::from_json(&description["overruns"]))
     }
 
-    /// Unloads the command. A running one is unloaded when it has ended.
+    /// Unloads the command. A running command is unloaded as soon as it has ended.
     ///
     /// # Errors
-    /// If the connection is closed.
+    /// Returns an error if the connection is closed.
     pub fn unload(self) -> Result<(), Error> {
         self.request("command.unload", &Value::Null)
     }
 
-    /// Returns a blocking iterator over the updates. It ends when the command or the connection has ended.
+    /// Returns an iterator over the updates of the command, which waits for each update. The iterator ends when the
+    /// command or the connection has ended.
     pub fn feedback(&self) -> impl Iterator<Item = Feedback> + '_ {
         let mut known = Feedback::default();
         std::iter::from_fn(move || {
@@ -325,7 +329,8 @@ impl Goal {
         })
     }
 
-    /// Waits for the next update. Returns `None` once the command or the connection has ended.
+    /// Waits for the next update of the command and returns it. Returns `None` as soon as the command or the connection
+    /// has ended.
     fn next_update(&self) -> Option<Value> {
         if self.end.borrow().is_some() {
             return None;
@@ -339,11 +344,11 @@ impl Goal {
         Some(update)
     }
 
-    /// Waits for the end of the command.
+    /// Waits for the end of the command and returns it.
     ///
     /// # Errors
-    /// If the connection is closed first, or if the command is unloaded without having run, for example because another
-    /// branch was taken.
+    /// Returns an error if the connection is closed first, or if the command is unloaded without having run, for
+    /// example because another branch was taken.
     pub fn result(&self) -> Result<Ending, Error> {
         while self.next_update().is_some() {}
         let gone = || Err(Error::connection("the control core is gone"));
@@ -352,21 +357,21 @@ impl Goal {
 }
 
 /// Overruns of a command: ticks of the server that ended too late and in which this command took the longest. All
-/// fields but `count` describe the worst one.
+/// fields except `count` describe the worst overrun.
 #[derive(Clone, PartialEq, Default, Debug)]
 pub struct Overruns {
-    /// Number of overruns.
+    /// Number of overruns of the command.
     pub count: u64,
-    /// Computing time of the command.
+    /// Longest computing time of the command in one cycle.
     pub computing_time: Duration,
-    /// Delay of the end of the tick.
+    /// Delay of the end of the tick behind its deadline.
     pub lateness: Duration,
-    /// Path of the fragment that was computed; empty for the command itself.
+    /// Path of the fragment that was being computed; empty for the command itself.
     pub fragment: String,
 }
 
 impl Overruns {
-    /// Reads the overruns from the server's answer; zero if there are none.
+    /// Reads the overruns from the response of the server; all fields are zero or empty if there are none.
     fn from_json(overruns: &Value) -> Overruns {
         Overruns {
             count: overruns["count"].as_u64().unwrap_or_default(),
@@ -377,14 +382,14 @@ impl Overruns {
     }
 }
 
-/// Reads a time in seconds; zero for anything else.
+/// Reads a time in seconds from JSON; zero if the value is not a number of at least 0.
 fn seconds(value: &Value) -> Duration {
     let seconds = value.as_f64().unwrap_or_default();
     Duration::try_from_secs_f64(seconds).unwrap_or_default()
 }
 
 impl Ending {
-    /// Reads the ending from the server's update.
+    /// Reads the ending of a command from an update of the server.
     pub(crate) fn from_json(ending: &Value) -> Ending {
         let text = |key: &str| ending[key].as_str().map(str::to_owned);
         let braked = ending["braked"].as_array().into_iter().flatten();

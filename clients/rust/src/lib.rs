@@ -21,6 +21,7 @@
 mod connection;
 mod error;
 mod goal;
+mod identity;
 mod task;
 #[cfg(feature = "tls")]
 mod tls;
@@ -28,4 +29,5 @@ mod tls;
 pub use connection::Client;
 pub use error::Error;
 pub use goal::{Ending, Feedback, Goal, Language, OnLoss, Overruns, Program, Session};
+pub use identity::Identity;
 pub use task::{Step, Task, TaskEnd};

@@ -9,35 +9,35 @@ use crate::connection::Client;
 use crate::error::Error;
 use crate::goal::Ending;
 
-/// How a task has ended.
+/// Way in which a task has ended, with its commands.
 #[derive(Clone, PartialEq, Eq, Debug)]
 pub struct TaskEnd {
-    /// Final state: `done`, `failed` or `cancelled`.
+    /// Final state of the task: `done`, `failed` or `cancelled`.
     pub state: String,
-    /// Commands that could not be started, and the reason.
+    /// Names of the commands that could not be started, and the reason; `None` if all could.
     pub start_error: Option<String>,
-    /// The latest ended commands of the task.
+    /// Commands of the task that have ended, the latest ones only.
     pub steps: Vec<Step>,
 }
 
-/// An ended command of a task.
+/// Command of a task that has ended.
 #[derive(Clone, PartialEq, Eq, Debug)]
 pub struct Step {
     /// Name of the command in the program.
     pub command: String,
-    /// Ending of the command: cause, result and error.
+    /// Way in which the command has ended: cause, result and error.
     pub ending: Ending,
-    /// Whether a branch of the task handles its error.
+    /// True if a branch of the task handles the error of the command.
     pub handled: bool,
 }
 
-/// Loaded task of a session: a sequence of commands that the core runs by itself.
+/// Loaded task of a session: a program of commands that the server executes by itself.
 #[derive(Debug)]
 pub struct Task {
     client: Client,
     name: String,
     updates: Receiver<Value>,
-    /// Ending of the task, or the error that prevents waiting for it; `None` until one of them is known.
+    /// Ending of the task, or the error that prevents waiting for the ending; `None` until one of them is known.
     end: RefCell<Option<Result<TaskEnd, Error>>>,
 }
 
@@ -57,7 +57,7 @@ impl Task {
         })
     }
 
-    /// Returns the name of the task at the server.
+    /// Returns the name that the server has given to the task.
     #[must_use]
     pub fn name(&self) -> &str {
         &self.name
@@ -71,31 +71,31 @@ impl Task {
     /// Starts the task.
     ///
     /// # Errors
-    /// If the task was started before or an emergency stop is in force.
+    /// Returns an error if the task was started before, or if an emergency stop is in force.
     pub fn start(&self) -> Result<(), Error> {
         self.request("task.start")
     }
 
-    /// Cancels the task: no further command starts, and running ones are cancelled.
+    /// Cancels the task: no further command starts, and running commands are cancelled.
     ///
     /// # Errors
-    /// If the task is not running.
+    /// Returns an error if the task is not running.
     pub fn preempt(&self) -> Result<(), Error> {
         self.request("task.cancel")
     }
 
-    /// Unloads the task. A running one is unloaded when it has ended.
+    /// Unloads the task. A running task is unloaded as soon as it has ended.
     ///
     /// # Errors
-    /// If the connection is closed.
+    /// Returns an error if the connection is closed.
     pub fn unload(self) -> Result<(), Error> {
         self.request("task.unload")
     }
 
-    /// Waits for the end of the task.
+    /// Waits for the end of the task and returns it.
     ///
     /// # Errors
-    /// If the connection is closed first, or if the task is unloaded without having run.
+    /// Returns an error if the connection is closed first, or if the task is unloaded without having run.
     pub fn result(&self) -> Result<TaskEnd, Error> {
         while self.end.borrow().is_none() {
             let update = self.updates.recv();

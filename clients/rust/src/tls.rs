@@ -12,8 +12,8 @@ use rustls::{ClientConfig, ClientConnection, RootCertStore, StreamOwned};
 use crate::connection::Stream;
 use crate::error::Error;
 
-/// Starts TLS with the server at `address` (`host:port`). Its certificate must be in the PEM file `authorities` or be
-/// signed by one in it.
+/// Starts TLS on a TCP stream to the server at `address` (`host:port`). The certificate of the server must be in the
+/// PEM file `authorities`, or be signed by one in it.
 pub(crate) fn connect(
     stream: TcpStream,
     address: &str,

@@ -5,7 +5,7 @@ use std::net::{Ipv4Addr, SocketAddr};
 use std::path::Path;
 
 use rpi_client::{Client, Error, Goal, OnLoss, Program, Session};
-use rpi_serve::{Server, Settings, TimeBase};
+use rpi_serve::{ClientToken, Role, Server, Settings, TimeBase};
 use rpi_sim::Cell;
 
 const COUNT: &str = "
@@ -24,6 +24,12 @@ fn secure(folder: &std::path::Path) -> (Server, std::path::PathBuf) {
     let [certificates, key] = ["cert.pem", "key.pem"].map(|name| folder.join(name));
     std::fs::write(&certificates, made.cert.pem()).unwrap();
     std::fs::write(&key, made.signing_key.serialize_pem()).unwrap();
+    #[cfg(unix)]
+    {
+        use std::os::unix::fs::PermissionsExt;
+        // The server rejects a key that other users may read.
+        std::fs::set_permissions(&key, PermissionsExt::from_mode(0o600)).unwrap();
+    }
     let cell = Cell::parse("cell.toml", "").unwrap();
     let tls = rpi_serve::TlsFiles {
         certificates: certificates.clone(),
@@ -31,7 +37,7 @@ fn secure(folder: &std::path::Path) -> (Server, std::path::PathBuf) {
     };
     let settings = Settings {
         listen: SocketAddr::from((Ipv4Addr::UNSPECIFIED, 0)),
-        token: Some("secret".to_owned()),
+        tokens: vec![ClientToken::new("test", Role::Programmer, "secret")],
         tls: Some(tls),
         ..Settings::default()
     };
@@ -64,7 +70,10 @@ fn server(token: Option<&str>) -> Server {
     let cell = Cell::parse("cell.toml", "").unwrap();
     let settings = Settings {
         listen: SocketAddr::from((Ipv4Addr::LOCALHOST, 0)),
-        token: token.map(str::to_owned),
+        tokens: token
+            .map(|secret| ClientToken::new("test", Role::Programmer, secret))
+            .into_iter()
+            .collect(),
         ..Settings::default()
     };
     Server::open(&cell, &settings, ()).unwrap()
@@ -344,4 +353,50 @@ fn motion(session: &Session, text: &str, command: &str) -> Goal {
         ..Program::new(text)
     };
     session.load(&program).unwrap()
+}
+
+/// A client knows its role. A request beyond its rights is refused, and so is the reset of the operator's stop.
+#[test]
+fn a_client_knows_its_role() {
+    let tokens = [
+        ("panel", Role::Viewer),
+        ("anna", Role::Operator),
+        ("cell", Role::Programmer),
+    ];
+    let tokens = tokens.map(|(name, role)| ClientToken::new(name, role, name));
+    let settings = Settings {
+        listen: SocketAddr::from((Ipv4Addr::LOCALHOST, 0)),
+        tokens: tokens.to_vec(),
+        ..Settings::default()
+    };
+    let cell = Cell::parse("cell.toml", "").unwrap();
+    let server = Server::open(&cell, &settings, ()).unwrap();
+    let address = server.address().to_string();
+    let of = |name| Client::connect(&address, Some(name)).unwrap();
+    let [panel, anna, cell] = ["panel", "anna", "cell"].map(of);
+    let who = panel.identity().unwrap();
+    assert_eq!(
+        (who.name.as_deref(), who.role.as_str()),
+        (Some("panel"), "viewer")
+    );
+    assert!(who.may("watch") && !who.may("load"));
+    let refused = panel.open_session("test", OnLoss::Cancel).unwrap_err();
+    assert!(
+        matches!(refused, Error::Refused { code: -32009, .. }),
+        "{refused}"
+    );
+    cell.open_session("test", OnLoss::Cancel).unwrap();
+    server.emergency_stop("the operator's button");
+    let refused = cell.reset_emergency().unwrap_err();
+    assert!(
+        matches!(refused, Error::Refused { code: -32009, .. }),
+        "{refused}"
+    );
+    let begin = std::time::Instant::now();
+    while let Err(why) = anna.reset_emergency() {
+        assert!(
+            begin.elapsed() < std::time::Duration::from_secs(10),
+            "{why}"
+        );
+    }
 }

@@ -12,29 +12,31 @@ pub use clap_complete::Shell;
 
 pub use output::{ignore_broken_pipe, is_same_file, print};
 
-/// Version of the tools and of the image format that they read and write.
+/// Version that `--version` prints: that of the tools, and that of the image format that they read and write.
 pub const VERSION: &str = concat!(env!("CARGO_PKG_VERSION"), " (image format 3)");
 
 /// Result of a subcommand: the exit status of the tool, or an error that is printed for the user.
 pub type CommandResult<E> = Result<E, Box<dyn Error>>;
 
-/// Prints the completion script of a tool for a shell to standard output.
+/// Prints the script that lets a shell complete the options of a tool to standard output. `C` is the command line of
+/// the tool.
 pub fn print_completions<C: CommandFactory>(shell: Shell) {
     let mut command = C::command();
     let name = command.get_name().to_owned();
     clap_complete::generate(shell, &mut command, name, &mut std::io::stdout());
 }
 
-/// Writes the manual pages of a tool to a folder, which is created if necessary.
+/// Writes the manual pages of a tool to a folder, which is created if necessary. `C` is the command line of the tool.
 ///
 /// # Errors
-/// If the folder or a page cannot be written.
+/// Returns an error if the folder or a page cannot be written.
 pub fn write_man_pages<C: CommandFactory>(folder: &Path) -> std::io::Result<()> {
     std::fs::create_dir_all(folder)?;
     clap_mangen::generate_to(C::command(), folder)
 }
 
-/// Returns the exit code of a subcommand. An error is printed to standard error and gives the status `bad_input`.
+/// Returns the exit code of a tool after a subcommand. If the subcommand returned an error, prints the error to
+/// standard error and returns the code of `bad_input`.
 pub fn exit_code<E: Into<ExitCode>>(result: CommandResult<E>, bad_input: E) -> ExitCode {
     let status = result.unwrap_or_else(|error| {
         rpi_diag::println_stderr!("error: {error}");

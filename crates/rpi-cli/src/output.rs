@@ -3,18 +3,19 @@
 use std::io::{ErrorKind, Write};
 use std::path::Path;
 
-/// Writes to standard output. A pipe that its reader has closed is not an error.
+/// Writes `bytes` to standard output. A pipe that its reader has closed is not an error.
 ///
 /// # Errors
-/// If standard output cannot be written for another reason.
+/// Returns an error if standard output cannot be written for another reason.
 pub fn print(bytes: impl AsRef<[u8]>) -> std::io::Result<()> {
     ignore_broken_pipe(std::io::stdout().write_all(bytes.as_ref())).map(|_| ())
 }
 
-/// Turns a broken pipe into `None`, as a reader may close a pipe at any time.
+/// Returns `None` if writing has failed because the reader has closed the pipe, which it may do at any time. Returns
+/// `Some` with the result of a successful write.
 ///
 /// # Errors
-/// All other errors of `written`.
+/// Returns all other errors of `written`.
 pub fn ignore_broken_pipe<T>(written: std::io::Result<T>) -> std::io::Result<Option<T>> {
     match written {
         Err(error) if error.kind() == ErrorKind::BrokenPipe => Ok(None),
@@ -22,7 +23,7 @@ pub fn ignore_broken_pipe<T>(written: std::io::Result<T>) -> std::io::Result<Opt
     }
 }
 
-/// Returns whether two paths name the same existing file. The tools do not overwrite their input files.
+/// Returns true if two paths name the same existing file. The tools use it to avoid overwriting their input files.
 pub fn is_same_file(a: &Path, b: &Path) -> bool {
     match (a.canonicalize(), b.canonicalize()) {
         (Ok(a), Ok(b)) => a == b,

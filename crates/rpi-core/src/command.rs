@@ -19,14 +19,16 @@ use alloc::vec::Vec;
 
 /// A loaded command: a running image, its lifecycle state and the resources that it needs and holds.
 pub struct Command {
-    /// Instance of the command's image: its memory and its resolved ports.
+    /// Loaded instance of the command's compiled program (image): its memory and its resolved device ports.
     pub(crate) instance: Instance,
     pub(crate) state: CommandState,
     /// Resources that the command needs, in ascending order, each with a flag for whether it is held.
     pub(crate) resource_uses: Box<[ResourceUse]>,
-    /// For each result, whether a successor is scheduled that takes over every moving actuator.
+    /// For each named result of the command, by index: true if a successor is scheduled that takes over every moving
+    /// actuator when the command ends by this result.
     pub(crate) has_successor: Box<[bool]>,
-    /// For each export, its Boolean value in the latest cycle; `None` if absent or not a Boolean.
+    /// For each exported flow of the command, by index: its Boolean value in the latest cycle; `None` if the flow is
+    /// absent or not a Boolean.
     pub(crate) exported_values: Box<[Option<bool>]>,
     /// Inputs from the core for the current cycle: times, `cancel`, `takeover`, `predecessor`.
     pub(crate) context: CycleContext,
@@ -43,56 +45,58 @@ pub struct Command {
 pub(crate) struct ResourceUse {
     pub(crate) resource: u32,
     pub(crate) is_held: bool,
-    /// The resource comes from a predecessor or is held by an unrelated command, so it cannot be taken now. Recomputed
-    /// on each search for free resources.
+    /// True if the command cannot take the resource now, because a predecessor will pass it on or an unrelated command
+    /// holds it. Computed anew on each search for free resources.
     pub(crate) is_unavailable: bool,
 }
 
 /// Cause of a command's end.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub enum Cause {
-    /// The named result with this index.
+    /// The command ended by one of its named results, given by its index in the list of results of the image.
     Result(usize),
-    /// The port `terminate`.
+    /// The net of the command set its port `terminate` to true. Nets in the format of the reference system end in this
+    /// way instead of by named results.
     Terminate,
-    /// A fault in a cycle.
+    /// A fault in a cycle, such as a division by zero: its code and where it occurred.
     Fault(Fault),
-    /// Abort: the command was ended from outside, for this reason.
+    /// The command was aborted: ended from outside, for this reason.
     Aborted(AbortReason),
-    /// The stop set of this rule contained the command.
+    /// A rule with this id fired and stopped the command.
     Stopped(RuleId),
 }
 
-/// Why a command was ended from outside, by the owner or by the core.
+/// Reason for which a command was ended from outside, by the owner or by the core.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub enum AbortReason {
-    /// A request by the owner or on the owner's behalf.
+    /// The owner of the command, or someone on the owner's behalf, requested the abort.
     Request,
-    /// Cycles exceeded their time limit.
+    /// The overruns (cycles that took too long) reached the threshold of an overrun policy.
     Overrun,
-    /// An emergency stop of all commands.
+    /// All commands were aborted by an emergency stop.
     EmergencyStop,
     /// The connection to the owner was lost.
     ClientLost,
     /// The command had not ended within the grace time after a cancel request.
     CancelTimeout,
-    /// A discontinuous takeover by another command with [`Continuity::AbortAll`].
+    /// Another command with the policy [`Continuity::AbortAll`] started with set-points that jump from those of its
+    /// predecessor; this policy aborts all commands.
     Discontinuity,
 }
 
-/// The end of a command: cause, error number and circumstances.
+/// Record of the end of a command: cause, error number and circumstances.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub struct Ending {
-    /// Cause of the end.
+    /// Cause of the end of the command: a result, a fault, an abort or the emergency stop.
     pub cause: Cause,
-    /// Error number, 0 for none. It is the position of the `fail` in text order, counted from 1, or the value of the
-    /// port `fail`. Faults and aborts have -1.
+    /// Error number, 0 for none. For an end by a `fail` result: its position among the `fail` results in text order,
+    /// counted from 1. For an end by the port `terminate`: the value of the port `fail`. For faults and aborts: -1.
     pub error: i64,
     /// Number of cycles that the command ran.
     pub cycles: u64,
-    /// The command was cancelled before it ended.
+    /// True if a cancel was requested before the command ended.
     pub cancelled: bool,
-    /// An actuator was still moving and no successor took it over, so its device was stopped.
+    /// True if an actuator was still moving and no successor took it over, so that its device was stopped.
     pub left_moving: bool,
 }
 
@@ -156,19 +160,20 @@ impl Command {
         self.work = self.instance.work(Some(primitives));
     }
 
-    /// Current lifecycle state.
+    /// Returns the present lifecycle state of the command.
     #[must_use]
     pub fn state(&self) -> CommandState {
         self.state
     }
 
-    /// The instance of the command's image.
+    /// Returns the loaded instance of the command's compiled program (image), to read its flows.
     #[must_use]
     pub fn instance(&self) -> &Instance {
         &self.instance
     }
 
-    /// Sets an input between two cycles. Returns false if the index is out of range or the value has the wrong size.
+    /// Sets the input with index `index` in the image's list of inputs, between two cycles. `value` holds its 64-bit
+    /// slots. Returns false if the index is out of range or the number of slots is wrong.
     pub fn set_input(&mut self, index: usize, value: &[u64]) -> bool {
         let net_ns = self.context.net_ns;
         self.instance.set_input(index, value, net_ns)
@@ -191,12 +196,12 @@ impl Command {
         }
     }
 
-    /// Resources that the command needs, in ascending order.
+    /// Returns the numbers of the resources (actuators) that the command needs, in ascending order.
     pub fn resources(&self) -> impl Iterator<Item = u32> + '_ {
         self.resource_uses.iter().map(|h| h.resource)
     }
 
-    /// Resources that the command holds now, in ascending order.
+    /// Returns the numbers of the resources (actuators) that the command holds now, in ascending order.
     pub fn held(&self) -> impl Iterator<Item = u32> + '_ {
         self.resource_uses
             .iter()
@@ -204,7 +209,8 @@ impl Command {
             .map(|h| h.resource)
     }
 
-    /// Hash of the command's name and its result, as carried by the `predecessor` flow of a successor.
+    /// Returns a hash of the command's name and its result, which a successor reads as its flow `predecessor`; `None`
+    /// if the command has not ended by a named result.
     pub(crate) fn result_id(&self) -> Option<i64> {
         // The image name `moves.MoveTo(arm, home) #2` denotes the command MoveTo of a module with these arguments.
         // Results are identified by the bare name MoveTo.
@@ -213,7 +219,8 @@ impl Command {
         Some(result_id(command.unwrap_or_default(), self.result()?))
     }
 
-    /// Applies a lifecycle event; the state does not change if the event is not allowed in it.
+    /// Applies a lifecycle event and returns its effect. An event that is not allowed in the present state changes
+    /// nothing.
     pub(crate) fn apply_event(&mut self, event: CommandEvent) -> Transition {
         let next = self.state.next(event);
         if let Transition::To(state) = next {
@@ -235,7 +242,8 @@ impl Command {
         found.is_ok_and(|k| self.resource_uses[k].is_held)
     }
 
-    /// First resource (actuator) that this command needs but does not hold, and that `other` holds.
+    /// Returns the first resource (actuator) that this command needs but does not hold, and that `other` holds; `None`
+    /// if there is none.
     pub(crate) fn first_conflict(&self, other: &Command) -> Option<u32> {
         // Both lists are sorted by resource, so one merge pass finds the first common one in linear time.
         let mut theirs = other
@@ -258,7 +266,7 @@ impl Command {
         })
     }
 
-    /// Releases those of the command's resources that are in `needs`, the list of another command that takes them.
+    /// Releases those of the command's resources that are also in `needs`, the list of another command that takes them.
     pub(crate) fn release_to(&mut self, needs: &[ResourceUse]) {
         let mut needs = needs.iter().peekable();
         for hold in &mut self.resource_uses {
@@ -273,7 +281,8 @@ impl Command {
         }
     }
 
-    /// True if the result with this index is a `yield`.
+    /// True if the result with index `result` is a `yield`: it ends the command only if a successor takes over its
+    /// moving actuators.
     pub(crate) fn yields(&self, result: usize) -> bool {
         match &self.instance.image().end {
             CommandEnd::Results(results) => results
@@ -287,8 +296,8 @@ impl Command {
         self.resource_uses.iter_mut().for_each(|h| h.is_held = held);
     }
 
-    /// Sends the staged set-points to the devices. A moving actuator without a set-point is a fault, unless the command
-    /// ends in this cycle.
+    /// Sends the set-points of this cycle to the devices. A moving actuator without a set-point is a fault, unless the
+    /// command ends in this cycle.
     pub(crate) fn hand_over(&mut self, bank: &mut dyn DeviceBank) {
         self.check_continuity();
         if !self.instance.hand_over(bank) && self.ending_now().is_none() {
@@ -296,7 +305,7 @@ impl Command {
         }
     }
 
-    /// The end of the command if it ends in this cycle.
+    /// Returns the end of the command if it ends in this cycle, else `None`.
     pub(crate) fn ending_now(&self) -> Option<Ending> {
         let verdict = self.instance.verdict(&self.has_successor)?;
         let (cause, error) = match verdict {
@@ -317,7 +326,8 @@ impl Command {
         }
     }
 
-    /// Error number of a result: the position of a `fail` in text order, counted from 1; 0 for other results.
+    /// Returns the error number of the result with index `result`. A `fail` has its position among the `fail` results
+    /// in text order, counted from 1; other results have 0.
     fn error_number(&self, result: usize) -> i64 {
         let CommandEnd::Results(results) = &self.instance.image().end else {
             return 0;

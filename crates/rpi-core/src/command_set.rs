@@ -2,8 +2,8 @@
 
 use crate::ids::CommandId;
 
-/// A set of commands by slot, like a Bloom filter with one hash: slots that are equal modulo 256 coincide. It may
-/// report too many members, but never too few.
+/// Set of commands by table slot, like a Bloom filter with one hash: slots that are equal modulo 256 coincide. A test
+/// of membership may be wrongly true, but never wrongly false.
 #[derive(Clone, Copy, PartialEq, Eq, Default, Debug)]
 pub(crate) struct CommandSet([u64; CommandSet::WORDS]);
 
@@ -20,7 +20,7 @@ impl CommandSet {
         self.0.iter().zip(other.0).any(|(a, b)| a & b != 0)
     }
 
-    /// Union of two sets.
+    /// Returns the commands that are in at least one of the two sets.
     pub(crate) fn union(&self, other: &CommandSet) -> CommandSet {
         CommandSet(core::array::from_fn(|k| self.0[k] | other.0[k]))
     }

@@ -19,20 +19,20 @@ pub(crate) struct Entry {
     pub(crate) due: u64,
     /// Logical time of the first cycle, nanoseconds since the Unix epoch.
     pub(crate) start_ns: i64,
-    /// If nothing can start the command any more, it becomes ready again instead of being removed.
+    /// True if the command becomes ready again, instead of being removed, once no rule can start it any more.
     pub(crate) keep_if_orphaned: bool,
-    /// The command was removed from the schedule and waits to be freed outside the cycle.
+    /// True if no rule could start the command any more and it waits to be freed outside the cycle.
     pub(crate) orphaned: bool,
-    /// The command ends in the current decision and may still hold resources.
+    /// True if the command ends in the current decision; it may still hold resources.
     pub(crate) ending: bool,
-    /// The command was started in the current decision.
+    /// True if the command was started in the current decision.
     pub(crate) just_started: bool,
-    /// The command runs, or a rule that has not fired may still start it.
+    /// True if the command runs, or if a rule that has not fired may still start it.
     pub(crate) live: bool,
 }
 
 impl Entry {
-    /// Id of the command in this slot; `place` is the index of the slot.
+    /// Returns the id of the command in this slot; `place` is the index of the slot.
     pub(crate) fn id(&self, place: usize) -> CommandId {
         command_id(place, self.serial)
     }
@@ -43,7 +43,7 @@ impl Entry {
     }
 }
 
-/// Id made of a slot index and a serial number.
+/// Returns the id made of the slot index `place` and a serial number.
 fn command_id(place: usize, serial: u32) -> CommandId {
     // The table has fewer than 2^32 slots.
     let place = place as u32;
@@ -55,10 +55,10 @@ fn command_id(place: usize, serial: u32) -> CommandId {
 
 /// The commands of a core, each in a slot. The table has a fixed size and does not allocate after its creation.
 pub(crate) struct CommandTable {
-    /// Slots up to the last occupied one; unused slots after it cost no time in a tick.
+    /// Slots up to the last occupied one, `None` for a free slot. The unused slots after it cost no time in a tick.
     pub(crate) entries: Vec<Option<Entry>>,
     capacity: usize,
-    /// Serial number of the latest id that the table chose.
+    /// Serial number of the latest id that the table made.
     serial: u32,
 }
 
@@ -71,7 +71,7 @@ impl CommandTable {
         }
     }
 
-    /// A new id for the first free slot.
+    /// Returns a new id for the first free slot, with a serial number that no earlier id had.
     pub(crate) fn new_id(&mut self) -> CommandId {
         let free = self.entries.iter().position(Option::is_none);
         let place = free.unwrap_or(self.entries.len());
@@ -110,7 +110,7 @@ impl CommandTable {
         }
     }
 
-    /// The table slot with this index; `None` beyond the capacity.
+    /// Returns the slot with index `place`, which may be free; `None` beyond the capacity.
     fn slot_mut(&mut self, place: usize) -> Option<&mut Option<Entry>> {
         if place >= self.capacity {
             return None;
@@ -121,7 +121,7 @@ impl CommandTable {
         self.entries.get_mut(place)
     }
 
-    /// Moves the command in this slot out of the table.
+    /// Removes and returns the entry of slot `place`; `None` if the slot is free.
     pub(crate) fn take_out(&mut self, place: usize) -> Option<Entry> {
         let entry = self.entries.get_mut(place)?.take();
         while let Some(None) = self.entries.last() {
@@ -130,7 +130,7 @@ impl CommandTable {
         entry
     }
 
-    /// Moves an orphaned command out of the table.
+    /// Removes and returns one orphaned command, which no rule can start any more; `None` if there is none.
     pub(crate) fn take_orphan(&mut self) -> Option<(CommandId, Box<Command>)> {
         let gone = |e: &Option<Entry>| e.as_ref().is_some_and(|e| e.orphaned);
         let place = self.entries.iter().position(gone)?;
@@ -138,44 +138,44 @@ impl CommandTable {
         self.take_out(place).map(|e| (id, e.command))
     }
 
-    /// Number of slots up to the last occupied one.
+    /// Returns the number of slots up to the last occupied one.
     pub(crate) fn len(&self) -> usize {
         self.entries.len()
     }
 
-    /// The entry in this slot; `None` if the slot is free.
+    /// Returns the entry in slot `place`; `None` if the slot is free.
     pub(crate) fn get(&self, place: usize) -> Option<&Entry> {
         self.entries.get(place)?.as_ref()
     }
 
-    /// The entry in this slot, to change it; `None` if the slot is free.
+    /// Returns the entry in slot `place` for changes; `None` if the slot is free.
     pub(crate) fn get_mut(&mut self, place: usize) -> Option<&mut Entry> {
         self.entries.get_mut(place)?.as_mut()
     }
 
-    /// Id of the command in this slot.
+    /// Returns the id of the command in slot `place`.
     pub(crate) fn id(&self, place: usize) -> CommandId {
         command_id(place, self.get(place).map_or(0, |e| e.serial))
     }
 
-    /// Slot index of a command; `None` if the id is unknown or stale.
+    /// Returns the slot index of a command; `None` if the command is not in the table any more or never was.
     pub(crate) fn find(&self, id: CommandId) -> Option<usize> {
         let place = id.slot as usize;
         let entry = self.get(place)?;
         (entry.serial == id.serial && !entry.orphaned).then_some(place)
     }
 
-    /// Slot index of a command.
+    /// Returns the slot index of a command. The error is [`CommandError::Unknown`] if the command is not in the table.
     pub(crate) fn slot_of(&self, id: CommandId) -> Result<usize, CommandError> {
         self.find(id).ok_or(CommandError::Unknown)
     }
 
-    /// The entry in this slot.
+    /// Returns the entry in slot `place`. The error is [`CommandError::Unknown`] if the slot is free.
     pub(crate) fn entry(&self, place: usize) -> Result<&Entry, CommandError> {
         self.get(place).ok_or(CommandError::Unknown)
     }
 
-    /// Checks that the lifecycle allows an event for the command in this slot.
+    /// Checks that the lifecycle allows `event` for the command in slot `place`. The error holds the present state.
     pub(crate) fn check_event(
         &self,
         place: usize,
@@ -188,8 +188,8 @@ impl CommandTable {
         }
     }
 
-    /// Known truth value of a fact, and the values that it may still take. A scheduled command that is not marked as
-    /// live counts as one that never runs.
+    /// Returns the present truth value of a fact about a command and the values that the fact may still take. A
+    /// scheduled command that no rule can start any more counts as one that never runs.
     pub(crate) fn fact_truth(&self, id: CommandId, fact: Fact) -> Truth {
         match self.find(id).and_then(|place| self.get(place)) {
             Some(entry) => entry.fact_truth(fact),
@@ -197,7 +197,8 @@ impl CommandTable {
         }
     }
 
-    /// Slot indices of all commands that hold a resource: one running command, or several scheduled alternatives.
+    /// Returns the slot indices of all commands that hold a resource: one running command, or several scheduled
+    /// commands of which at most one will run.
     pub(crate) fn holders(&self, resource: u32) -> impl Iterator<Item = usize> + '_ {
         let holds = move |(place, entry): (usize, &Option<Entry>)| {
             let holds = entry.as_ref().is_some_and(|e| e.command.holds(resource));
@@ -215,7 +216,7 @@ impl CommandTable {
         })
     }
 
-    /// The error for a resource that the command in slot `by` holds or needs.
+    /// Makes the error for a resource that the command in slot `by` holds or needs.
     pub(crate) fn resource_held_error(&self, resource: u32, by: usize) -> CommandError {
         CommandError::ResourceHeld {
             resource,
@@ -223,7 +224,7 @@ impl CommandTable {
         }
     }
 
-    /// Assigns all needed resources to a command and takes them from every other command.
+    /// Assigns all needed resources to the command in slot `place` and takes them from every other command.
     pub(crate) fn take_all(&mut self, place: usize) {
         let Some(entry) = self.get_mut(place) else {
             return;

@@ -14,8 +14,8 @@ use core::ops;
 /// An atomic proposition about a command.
 #[derive(Clone, Copy, PartialEq, Eq, Hash, Debug)]
 pub enum Fact {
-    /// The exported Boolean with this index is true in the latest cycle. Unknown before the first cycle and while the
-    /// flow is absent. After the end, the value of the last cycle holds.
+    /// The exported Boolean flow with this index is true in the latest cycle. Unknown before the first cycle and while
+    /// the flow is absent. After the end of the command, the value of its last cycle counts.
     Export(u32),
     /// The command has ended, for any cause.
     Ended,
@@ -23,7 +23,7 @@ pub enum Fact {
     Regular,
     /// The command has ended with an error, a fault or an abort.
     Failed,
-    /// The command has ended by the named result with this index.
+    /// The command has ended by its named result with this index.
     Result(u32),
     /// The command has ended with this error number.
     Error(i64),
@@ -34,16 +34,21 @@ pub enum Fact {
 pub(crate) struct Truth(u8);
 
 impl Truth {
-    /// Unknown, now and for ever.
+    /// The value of the condition is not known and cannot become known any more, for example because the command that
+    /// it names was unloaded.
     pub(crate) const UNKNOWN_FOREVER: Truth = Truth(0);
+    /// Bit of the set: the fact or condition is true now.
     const TRUE: u8 = 1;
+    /// Bit of the set: the fact or condition is false now.
     const FALSE: u8 = 2;
+    /// Bit of the set: the fact or condition may be true in a later tick.
     const MAY_BE_TRUE: u8 = 4;
+    /// Bit of the set: the fact or condition may be false in a later tick.
     const MAY_BE_FALSE: u8 = 8;
-    /// Unknown now; may become true or false.
+    /// The present value is not known; later it may be true or false.
     pub(crate) const UNKNOWN: Truth = Truth(Self::MAY_BE_TRUE | Self::MAY_BE_FALSE);
 
-    /// Known value that cannot change any more.
+    /// Returns the knowledge of a value that is known and cannot change any more.
     pub(crate) const fn fixed(value: bool) -> Truth {
         Truth(if value {
             Self::TRUE | Self::MAY_BE_TRUE
@@ -52,7 +57,7 @@ impl Truth {
         })
     }
 
-    /// Known present value that may still change.
+    /// Returns the knowledge of a value that is known now but may still change.
     pub(crate) const fn changeable(value: bool) -> Truth {
         Truth(Self::UNKNOWN.0 | if value { Self::TRUE } else { Self::FALSE })
     }
@@ -65,7 +70,7 @@ impl Truth {
         self.0 & Self::MAY_BE_TRUE != 0
     }
 
-    /// Forgets a present value that may still change; keeps a fixed value.
+    /// Replaces a present value that may still change by [`Truth::UNKNOWN`]; a value that cannot change stays.
     pub(crate) const fn fixed_part(self) -> Truth {
         match self.0 & Self::UNKNOWN.0 == Self::UNKNOWN.0 {
             true => Self::UNKNOWN,
@@ -91,7 +96,7 @@ impl Truth {
     }
 }
 
-/// One word of a condition in postfix notation (operands first).
+/// One word of a condition in postfix notation: an operand, or an operator after its operands.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub(crate) enum Word {
     Fact(CommandId, Fact),
@@ -122,7 +127,7 @@ impl Word {
         }
     }
 
-    /// Decodes a word from three numbers; `None` if they encode no word.
+    /// Decodes a word from the three numbers of [`Word::to_numbers`]; `None` if they encode no word.
     pub(crate) fn from_numbers(numbers: &[u64]) -> Option<Word> {
         let &[what, command, argument] = numbers else {
             return None;
@@ -145,7 +150,7 @@ impl Word {
         })
     }
 
-    /// Number of operands that the word pops from the stack. Each word pushes one value.
+    /// Number of operands that the word pops from the evaluation stack. Each word pushes one value.
     const fn operand_count(&self) -> usize {
         match self {
             Word::Fact(..) | Word::Constant(_) | Word::Unknown => 0,
@@ -155,7 +160,8 @@ impl Word {
     }
 }
 
-/// Depth of the evaluation stack. Conditions that need more are rejected.
+/// Maximum number of values on the stack while a condition is evaluated. Conditions that need more are rejected when
+/// they are made.
 const MAX_STACK_DEPTH: usize = 32;
 
 /// Condition of a rule: a Boolean expression over facts about commands.
@@ -165,19 +171,19 @@ const MAX_STACK_DEPTH: usize = 32;
 pub struct Condition(Box<[Word]>);
 
 impl Condition {
-    /// The condition that a fact about a command is true.
+    /// Makes the condition that is true while a fact about a command is true.
     #[must_use]
     pub fn from_fact(command: CommandId, fact: Fact) -> Condition {
         Condition(vec![Word::Fact(command, fact)].into())
     }
 
-    /// The condition that is always true.
+    /// Makes the condition that is always true.
     #[must_use]
     pub fn always() -> Condition {
         Condition(vec![Word::Constant(true)].into())
     }
 
-    /// The commands of all facts in the condition, with duplicates.
+    /// Returns the commands of all facts in the condition, with duplicates.
     pub fn mentioned_commands(&self) -> impl Iterator<Item = CommandId> + '_ {
         self.0.iter().filter_map(|word| match word {
             Word::Fact(command, _) => Some(*command),
@@ -185,7 +191,7 @@ impl Condition {
         })
     }
 
-    /// The words in postfix order.
+    /// Returns the words of the condition in postfix order (operands before their operator).
     pub(crate) fn words(&self) -> impl Iterator<Item = &Word> + '_ {
         self.0.iter()
     }
@@ -198,7 +204,7 @@ impl Condition {
         (left == 1).then(|| Condition(words.into()))
     }
 
-    /// True if the evaluation stack is deep enough for the condition.
+    /// True if evaluating the condition needs no more stack than the fixed maximum depth.
     pub(crate) fn fits_stack(&self) -> bool {
         let mut depth = 0usize;
         self.0.iter().all(|word| {
@@ -211,7 +217,7 @@ impl Condition {
         })
     }
 
-    /// Evaluates the condition; `know` returns the knowledge about each fact.
+    /// Evaluates the condition. `know` returns, for a fact about a command, its present and possible later values.
     pub(crate) fn evaluate(&self, know: impl Fn(CommandId, Fact) -> Truth) -> Truth {
         let mut stack = [Truth::UNKNOWN_FOREVER; MAX_STACK_DEPTH];
         let mut top = 0;
@@ -251,7 +257,7 @@ impl Condition {
         self.fits_stack() && !self.evaluate(know).may_be_true()
     }
 
-    /// The commands that must have ended before the condition can be true, in ascending order.
+    /// Returns the commands that must have ended before the condition can be true, in ascending order of their ids.
     pub(crate) fn required_ends(&self) -> Vec<CommandId> {
         if !self.fits_stack() {
             return Vec::new();
@@ -263,7 +269,8 @@ impl Condition {
         all
     }
 
-    /// Replaces the facts about a command that is removed from the table by their final values.
+    /// Replaces the facts about the command `gone`, which is removed from the table, by their final values. `know`
+    /// returns the final value of a fact; `None` if the value was never known.
     pub(crate) fn freeze(&mut self, gone: CommandId, know: impl Fn(Fact) -> Option<bool>) {
         for word in &mut self.0 {
             if let Word::Fact(command, fact) = *word

@@ -14,13 +14,15 @@ pub enum Continuity {
     /// The successor ends with a fault. None of its set-points is sent, and its moving devices are stopped.
     #[default]
     Reject,
-    /// As [`Continuity::Reject`], and all other commands are aborted too. For devices that must move in step.
+    /// If the first set-points after a takeover jump, the successor is rejected ([`Continuity::Reject`]) and all
+    /// other commands are aborted too. For devices that must move in step.
     AbortAll,
     /// The discontinuity is reported and the set-point is sent. The device may still reject it.
     Allow,
 }
 
-/// Number of cycles after a takeover in which differences up to second order reach back over it.
+/// Number of cycles after a takeover in which the first and second differences of set-points reach back to set-points
+/// of the predecessor.
 pub(crate) const CHECKED_CYCLES: u64 = 2;
 
 impl Command {
@@ -29,13 +31,13 @@ impl Command {
         self.continuity = continuity;
     }
 
-    /// Reaction to a discontinuous takeover by this command.
+    /// Returns the reaction to a discontinuous takeover by this command.
     #[must_use]
     pub fn continuity(&self) -> Continuity {
         self.continuity
     }
 
-    /// Raises a fault for a discontinuous set-point of this cycle, unless [`Continuity::Allow`] is set.
+    /// Raises a fault if a set-point of this cycle is discontinuous, unless the command has [`Continuity::Allow`].
     pub(crate) fn check_continuity(&mut self) {
         let jump = self.instance.discontinuity().map(ActuatorPort::origin_slot);
         if let Some(cell) = jump.filter(|_| self.continuity != Continuity::Allow) {

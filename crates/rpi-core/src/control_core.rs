@@ -20,16 +20,17 @@ use alloc::boxed::Box;
 pub struct Core {
     /// The commands, the rules, and the notices about both.
     pub(crate) schedule: Schedule,
-    /// Duration of a tick, nanoseconds.
+    /// Duration of a tick in nanoseconds. A tick is the smallest time step; the period of each command is a multiple of
+    /// it.
     tick_ns: u64,
-    /// Number of the next tick.
+    /// Number of the next tick, counted from the creation of the core.
     pub(crate) tick: u64,
-    /// Override and pause of all motions.
+    /// Speed override and pause that apply to the motions of all commands.
     pub(crate) controls: MotionControls,
 }
 
 impl Core {
-    /// An empty core with capacity for `commands` commands; `tick_ns` is the tick in nanoseconds.
+    /// Creates an empty core with capacity for `commands` commands; `tick_ns` is the duration of a tick in nanoseconds.
     #[must_use]
     pub fn with_capacity(commands: usize, tick_ns: u64) -> Self {
         Core {
@@ -40,24 +41,24 @@ impl Core {
         }
     }
 
-    /// A decision between two ticks.
+    /// Begins a decision between two ticks: it collects starts and ends of commands, which take effect together.
     fn decision<'a>(&'a mut self, bank: &'a mut dyn DeviceBank) -> Decision<'a> {
         Decision::new(&mut self.schedule, bank, self.tick)
     }
 
-    /// Sets the override and the pause of all motions. Commands see them from their next cycle on. An override outside
-    /// of 0 to 1 is limited.
+    /// Sets the speed override and the pause of the motions of all commands, from their next cycle on. An override
+    /// outside of 0 to 1 is limited to this range.
     pub fn set_controls(&mut self, controls: MotionControls) {
         self.controls = controls.limited();
     }
 
-    /// Returns the override and the pause of all motions.
+    /// Returns the speed override and the pause of the motions of all commands.
     #[must_use]
     pub fn controls(&self) -> MotionControls {
         self.controls
     }
 
-    /// Number of the next tick.
+    /// Returns the number of the next tick, counted from the creation of the core.
     #[must_use]
     pub fn now(&self) -> u64 {
         self.tick
@@ -121,8 +122,8 @@ impl Core {
         Ok(())
     }
 
-    /// Cancels a command. It sees `cancel` from its next cycle on. Successors scheduled on its regular end are not
-    /// started.
+    /// Cancels a command: its flow `cancel` is true from its next cycle on. Successors scheduled on its regular end are
+    /// not started.
     ///
     /// # Errors
     /// The command is not running.
@@ -135,7 +136,7 @@ impl Core {
         Ok(())
     }
 
-    /// Aborts a command between two cycles. Its devices stop within their own limits.
+    /// Aborts a running command between two cycles, for the reason `why`. Its devices stop within their own limits.
     ///
     /// # Errors
     /// The command is not running.
@@ -159,15 +160,15 @@ impl Core {
         self.abort_all(AbortReason::EmergencyStop, bank);
     }
 
-    /// Aborts every command for the reason `why` and drops every rule; see [`Core::emergency_stop`].
+    /// Aborts every command for the reason `why` and drops every rule. All moving devices stop within their own limits.
     pub fn abort_all(&mut self, why: AbortReason, bank: &mut dyn DeviceBank) {
         let mut decision = self.decision(bank);
         decision.abort_all(why);
         decision.conclude();
     }
 
-    /// Moves a command out of the table, to be freed outside the cycle. A scheduled command is unscheduled first. Rules
-    /// keep the command's final facts.
+    /// Removes and returns a command, to be freed outside the cycle. A scheduled command is unscheduled first.
+    /// Conditions of rules keep the final values of the facts about the command.
     ///
     /// # Errors
     /// The command is running.
@@ -185,18 +186,19 @@ impl Core {
         Ok(entry.command)
     }
 
-    /// Moves an orphaned command out of the table, to be freed outside the cycle. A command is orphaned if nothing can
-    /// start it any more.
+    /// Removes and returns a command that no rule can start any more, to be freed outside the cycle; `None` if there is
+    /// none.
     pub fn take_orphan(&mut self) -> Option<(CommandId, Box<Command>)> {
         self.schedule.commands.take_orphan()
     }
 
-    /// Returns the oldest notice. Drain the log after each tick and each request.
+    /// Returns and removes the oldest notice (event of a command or rule); `None` if there is none. The caller reads
+    /// all notices after each tick and each request.
     pub fn next_notice(&mut self) -> Option<Notice> {
         self.schedule.notices.pop()
     }
 
-    /// Number of notices lost because the log was full.
+    /// Returns the number of notices (events of commands and rules) that were lost because the log was full.
     #[must_use]
     pub fn notices_lost(&self) -> u64 {
         self.schedule.notices.lost
@@ -209,13 +211,14 @@ impl Core {
         Some(&commands.get(commands.find(id)?)?.command)
     }
 
-    /// Mutable access to the command with this id, to set its inputs between ticks.
+    /// Returns the command with this id for changes, such as setting its inputs between ticks; `None` if the id is
+    /// unknown or the command was unloaded.
     pub fn command_mut(&mut self, id: CommandId) -> Option<&mut Command> {
         let place = self.schedule.commands.find(id)?;
         Some(&mut self.schedule.commands.get_mut(place)?.command)
     }
 
-    /// All commands in the table.
+    /// Returns all loaded commands with their ids, whether they run or not, in the order of the table.
     pub fn commands(&self) -> impl Iterator<Item = (CommandId, &Command)> + '_ {
         let entries = self.schedule.commands.entries.iter().enumerate();
         entries.filter_map(|(place, entry)| {
@@ -224,7 +227,7 @@ impl Core {
         })
     }
 
-    /// The rules that may still fire, in the order of their creation.
+    /// Returns the rules that may still fire, in the order in which they were added.
     pub fn rules(&self) -> impl Iterator<Item = (RuleId, &Rule)> + '_ {
         self.schedule.rules.pending.iter().map(|p| (p.id, &*p.rule))
     }
@@ -249,10 +252,12 @@ impl Core {
         Ok(())
     }
 
-    /// Adds a rule under an id that the core chooses; see [`Core::schedule_with_id`].
+    /// Adds a rule under an id that the core chooses; see [`Core::schedule_with_id`] for its effect.
     ///
     /// # Errors
-    /// As for [`Core::schedule_with_id`].
+    /// Returns the rule, and changes nothing, if a command to start is neither ready nor scheduled, needs a resource
+    /// that another command holds, or would follow itself; if the rule can never fire; if its condition is too deep; or
+    /// if the table is full.
     pub fn schedule(
         &mut self,
         rule: Box<Rule>,
@@ -262,10 +267,10 @@ impl Core {
         self.schedule_with_id(id, rule, bank).map(|()| id)
     }
 
-    /// Drops a rule. Commands that only this rule could start are unscheduled.
+    /// Drops a rule that has not fired. Commands that only this rule could start are unscheduled.
     ///
     /// # Errors
-    /// The rule does not exist any more.
+    /// The rule has fired or was dropped already, or never existed.
     pub fn withdraw_rule(&mut self, id: RuleId) -> Result<(), CommandError> {
         let at = self.schedule.rules.position(id);
         let at = at.ok_or(CommandError::Unknown)?;
@@ -274,7 +279,8 @@ impl Core {
         Ok(())
     }
 
-    /// Evaluation cost of all rules after each change: number of condition words plus number of actions.
+    /// Returns the cost of one evaluation of all pending rules: number of words of their conditions plus number of
+    /// their actions.
     #[must_use]
     pub fn rules_cost(&self) -> usize {
         self.schedule
@@ -285,7 +291,8 @@ impl Core {
             .sum()
     }
 
-    /// Moves a fired or dropped rule out, to be freed outside the cycle.
+    /// Removes and returns a rule that has fired or was dropped, to be freed outside the cycle; `None` if there is
+    /// none.
     pub fn take_finished_rule(&mut self) -> Option<(RuleId, Box<Rule>)> {
         self.schedule.rules.take_finished()
     }

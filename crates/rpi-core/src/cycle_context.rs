@@ -3,17 +3,19 @@
 /// Context of a command in one cycle, supplied by the core: times, cancellation, takeover and predecessor.
 #[derive(Clone, Copy, PartialEq, Debug, Default)]
 pub struct CycleContext {
-    /// Logical time of this cycle, nanoseconds since the Unix epoch.
+    /// Logical time of this cycle, nanoseconds since the Unix epoch: the start of the command plus the duration of its
+    /// cycles so far.
     pub net_ns: i64,
     /// Wall-clock time at the start of the cycle, nanoseconds since the Unix epoch.
     pub wall_ns: i64,
-    /// True once a cancel was requested.
+    /// True in every cycle after a cancel of the command was requested.
     pub cancel: bool,
-    /// True if a successor is scheduled that takes over every moving actuator.
+    /// True if a successor is scheduled that takes over every moving actuator of the command.
     pub takeover: bool,
-    /// Identity of the predecessor's result; see `rpi_image::hash::result_id`.
+    /// Hash of the predecessor's name and of the result with which the predecessor ended
+    /// (`rpi_image::hash::result_id`); `None` without a predecessor.
     pub predecessor: Option<i64>,
-    /// Override and pause of all motions.
+    /// Speed override and pause of the motions of all commands.
     pub controls: MotionControls,
 }
 
@@ -21,14 +23,14 @@ pub struct CycleContext {
 /// pendant. The control core hands them to each command; the motions of the library obey them.
 #[derive(Clone, Copy, PartialEq, Debug)]
 pub struct MotionControls {
-    /// Share of the speed, from 0 to 1.
+    /// Share of the programmed speed at which motions run, from 0 (standstill) to 1 (full speed).
     pub speed_override: f64,
     /// True while all motions pause: they come to rest on their paths.
     pub paused: bool,
 }
 
 impl MotionControls {
-    /// Returns controls with the override limited to 0 to 1; what is not a number counts as 0.
+    /// Returns the controls with the speed override limited to 0 to 1; NaN counts as 0.
     #[must_use]
     pub fn limited(self) -> MotionControls {
         let share = self.speed_override;
@@ -41,7 +43,7 @@ impl MotionControls {
 }
 
 impl Default for MotionControls {
-    /// Full speed, without a pause.
+    /// Returns controls with full speed and without a pause.
     fn default() -> Self {
         MotionControls {
             speed_override: 1.0,

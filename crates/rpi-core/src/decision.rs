@@ -15,9 +15,10 @@ use rpi_device::DeviceBank;
 pub(crate) struct Decision<'a> {
     pub(crate) schedule: &'a mut Schedule,
     bank: &'a mut dyn DeviceBank,
-    /// Tick that the notices of ends carry: that of the last cycle, or the next one between two ticks.
+    /// Number of the tick that the notices of ended commands carry: the tick that has just run, or the next tick if the
+    /// decision is made between two ticks.
     tick: u64,
-    /// A command has started or ended in this decision.
+    /// True if a command has started or ended in this decision.
     has_changed: bool,
 }
 
@@ -31,9 +32,9 @@ impl<'a> Decision<'a> {
         }
     }
 
-    /// Fires all rules whose condition is true, in the order of their creation. All conditions are evaluated before the
-    /// first rule fires. Started commands run from tick `next` on, or from the tick at which their predecessor would
-    /// have been due.
+    /// Fires all rules whose condition is true, in the order in which they were added. All conditions are evaluated
+    /// before the first rule fires. Started commands run from tick `next` on, or from the tick in which the next cycle
+    /// of their predecessor would have been due.
     pub(crate) fn fire_all(&mut self, next: u64) {
         for at in 0..self.schedule.rules.pending.len() {
             self.schedule.rules.pending[at].is_firing =
@@ -62,7 +63,8 @@ impl<'a> Decision<'a> {
             .is_true()
     }
 
-    /// Fires a rule atomically: if one command cannot be started, the rule fails and has no effect.
+    /// Fires the pending rule with index `at` atomically: if one command cannot be started, the rule fails and has no
+    /// effect. Commands without a predecessor start at tick `next`.
     fn fire(&mut self, at: usize, next: u64) {
         self.has_changed = true;
         if let Err(why) = self.can_fire(&self.schedule.rules.pending[at].rule) {
@@ -125,7 +127,7 @@ impl<'a> Decision<'a> {
         }
     }
 
-    /// Copies the latest value of an export to an input of the successor.
+    /// Copies the latest value of an export of a predecessor to an input of its successor.
     fn transfer_value(&mut self, handed: &ValueTransfer) {
         let (Some(from), Some(to)) = (
             self.schedule.commands.find(handed.from),
@@ -146,7 +148,8 @@ impl<'a> Decision<'a> {
         }
     }
 
-    /// Starts a command at tick `due` with all its resources.
+    /// Starts the command in table slot `place` with all its resources; its first cycle runs in tick `due`. `event` is
+    /// the cause: a start request or a rule.
     pub(crate) fn start_at(&mut self, place: usize, due: u64, event: CommandEvent) {
         self.has_changed = true;
         self.schedule.commands.take_all(place);
@@ -156,8 +159,8 @@ impl<'a> Decision<'a> {
         }
     }
 
-    /// First tick of the commands that a rule starts: the earliest due tick of its predecessors that end now, else
-    /// `next`.
+    /// Returns the tick of the first cycle of the commands that `rule` starts: the earliest tick in which a predecessor
+    /// that ends in this decision would have been due, or `next` without such a predecessor.
     fn due_after(&self, rule: &Rule, next: u64) -> u64 {
         let named = rule
             .mentioned_commands()
@@ -168,7 +171,8 @@ impl<'a> Decision<'a> {
         ending.map(|e| e.due).min().unwrap_or(next)
     }
 
-    /// Identity of the result of the first command that the rule mentions and that ended by a result.
+    /// Returns the hash of the name and result of the first command that `rule` mentions and that ended by a named
+    /// result; `None` if there is none.
     fn predecessor_result(&self, rule: &Rule) -> Option<i64> {
         let mut named = rule
             .mentioned_commands()
@@ -176,7 +180,7 @@ impl<'a> Decision<'a> {
         named.find_map(|place| self.schedule.commands.get(place)?.command.result_id())
     }
 
-    /// Ends a command. It keeps its resources until the decision is concluded.
+    /// Ends the command in table slot `place`. It holds its resources until the decision is concluded.
     pub(crate) fn end_command(&mut self, place: usize, ending: Ending) {
         self.has_changed = true;
         if let Some(entry) = self.schedule.commands.get_mut(place) {
@@ -186,7 +190,7 @@ impl<'a> Decision<'a> {
         }
     }
 
-    /// Ends a command from outside, with this cause and error number.
+    /// Ends the command in table slot `place` from outside, with this cause and error number.
     pub(crate) fn end_command_by(&mut self, place: usize, cause: Cause, error: i64) {
         if let Some(entry) = self.schedule.commands.get(place) {
             let ending = entry.command.make_ending(cause, error);
@@ -194,7 +198,7 @@ impl<'a> Decision<'a> {
         }
     }
 
-    /// Aborts every running command and drops every rule.
+    /// Aborts every running command for the reason `why` and drops every rule.
     pub(crate) fn abort_all(&mut self, why: AbortReason) {
         while let Some(last) = self.schedule.rules.pending.len().checked_sub(1) {
             self.schedule.drop_rule(last, RuleOutcome::Dropped);
@@ -208,8 +212,8 @@ impl<'a> Decision<'a> {
         self.has_changed = true;
     }
 
-    /// Concludes a decision: releases and brakes what nobody took over, reports starts and ends, and drops rules that
-    /// can no longer fire.
+    /// Concludes the decision: releases the resources that no successor took over and brakes the moving ones, reports
+    /// starts and ends, and drops rules that can no longer fire.
     pub(crate) fn conclude(mut self) {
         if !self.has_changed {
             return;
@@ -222,7 +226,8 @@ impl<'a> Decision<'a> {
         self.schedule.propagate_changes();
     }
 
-    /// Releases the remaining resources of an ended command. Moving ones are braked by their device.
+    /// Releases the remaining resources of the command in table slot `place` if it has ended. The device brakes those
+    /// that move.
     fn release_resources(&mut self, place: usize) {
         let (command, tick) = (self.schedule.commands.id(place), self.tick);
         let entry = self.schedule.commands.get_mut(place);
@@ -263,8 +268,8 @@ impl<'a> Decision<'a> {
         }
     }
 
-    /// Reports ended commands. With `fresh` false, those that had run before; with `fresh` true, those that were
-    /// started and ended in the same decision.
+    /// Reports ended commands: with `fresh` false, commands that ran before this decision; with `fresh` true, commands
+    /// that were started and ended in this decision.
     fn announce_ends(&mut self, fresh: bool) {
         let tick = self.tick;
         for place in 0..self.schedule.commands.len() {

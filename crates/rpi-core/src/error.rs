@@ -5,21 +5,21 @@ use core::fmt;
 use crate::ids::CommandId;
 use crate::lifecycle::CommandState;
 
-/// Reason for rejecting a request. A rejected request changes nothing.
+/// Reason for which the core rejects a request. A rejected request changes nothing.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub enum CommandError {
-    /// Unknown command or rule.
+    /// The core has no command or rule with this id.
     Unknown,
-    /// The command's state does not allow the request.
+    /// The command's lifecycle state, given here, does not allow the request.
     InvalidState(CommandState),
     /// A needed resource is held by another command, or needed by another command that the same rule starts.
     ResourceHeld {
         /// Number of the needed resource (actuator), as in the device bank.
         resource: u32,
-        /// The command that holds or needs the resource.
+        /// Command that holds or needs the resource.
         by: CommandId,
     },
-    /// A rule would start a command after itself, or start it twice.
+    /// A rule would start a command after itself, or start one command twice.
     SelfSuccessor,
     /// The rule's condition can never become true.
     NeverFires,
@@ -27,7 +27,7 @@ pub enum CommandError {
     ConditionTooDeep,
     /// The command's period is not a whole multiple of the tick.
     PeriodMismatch,
-    /// The table is full, or the requested slot is occupied.
+    /// The table of commands or of rules is full, or the requested slot is occupied.
     TableFull,
 }
 

@@ -18,7 +18,8 @@ impl Entry {
         }
     }
 
-    /// Final value of a fact when the command is removed. A command that never ran counts as not ended.
+    /// Returns the value of a fact about the command at its removal; `None` if the value is not known. A command that
+    /// never ran counts as not ended.
     pub(crate) fn final_value(&self, fact: Fact) -> Option<bool> {
         match (fact, &self.command.ending) {
             (Fact::Export(index), Some(_)) => self.command.exported(index),
@@ -28,7 +29,8 @@ impl Entry {
         }
     }
 
-    /// True if a fact about the end of the command can no longer become true.
+    /// True if a fact about the end of the command can no longer become true, for example because the command will
+    /// never run.
     fn can_never_hold(&self, fact: Fact) -> bool {
         match self.command.state {
             CommandState::Scheduled => !self.live,
@@ -52,15 +54,15 @@ impl Entry {
 }
 
 impl Command {
-    /// Value of an exported Boolean at the end of the latest cycle. `None` before the first cycle, while the flow is
-    /// absent, and for other types.
+    /// Returns the value of the exported Boolean flow with this index at the end of the latest cycle. `None` before the
+    /// first cycle, while the flow is absent, and for flows of other types.
     #[must_use]
     pub fn exported(&self, index: u32) -> Option<bool> {
         *self.exported_values.get(index as usize)?
     }
 
-    /// Stores the exported Booleans at the end of a cycle. Inputs set between two cycles therefore do not affect
-    /// conditions before the next cycle.
+    /// Stores the exported Boolean flows at the end of a cycle. Conditions of rules read only these values, so an input
+    /// that is set between two cycles does not affect them before the next cycle.
     pub(crate) fn latch_exports(&mut self) {
         let exports = &self.instance.image().exports;
         for (shown, export) in self.exported_values.iter_mut().zip(exports) {
@@ -71,7 +73,7 @@ impl Command {
     }
 }
 
-/// Whether a fact is true of a command with this ending.
+/// True if a fact holds for a command that has ended with `ending`; false for facts about exports.
 pub(crate) fn fact_holds(fact: Fact, ending: &Ending) -> bool {
     match fact {
         Fact::Export(_) => false,

@@ -2,7 +2,7 @@
 
 use alloc::vec::Vec;
 
-/// Id of a command: a slot of the table and a serial number. Ids are not reused.
+/// Id of a command: its slot in the table of commands and a serial number. Ids are not reused.
 #[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Debug)]
 pub struct CommandId {
     pub(crate) slot: u32,
@@ -10,20 +10,20 @@ pub struct CommandId {
 }
 
 impl CommandId {
-    /// Index of the command's slot, less than the capacity of the core.
+    /// Returns the index of the command's slot in the table of commands, less than the capacity of the core.
     #[must_use]
     pub const fn slot(self) -> usize {
         self.slot as usize
     }
 
-    /// The id as one number, for display and transmission: the serial number in the upper, the slot in the lower 32
-    /// bits.
+    /// Returns the id as one number, for display and transmission: the serial number in the upper 32 bits, the slot in
+    /// the lower 32 bits.
     #[must_use]
     pub const fn to_number(self) -> u64 {
         (self.serial as u64) << 32 | self.slot as u64
     }
 
-    /// The id encoded by [`CommandId::to_number`].
+    /// Returns the id from the number that [`CommandId::to_number`] made of it.
     #[must_use]
     pub const fn from_number(number: u64) -> CommandId {
         CommandId {
@@ -37,8 +37,8 @@ impl CommandId {
 #[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Debug)]
 pub struct RuleId(pub u64);
 
-/// Allocator of command slots, for the thread that loads commands. A command has its id before it reaches the cycle, so
-/// later requests in the same queue can refer to it.
+/// Allocator of ids for commands and rules, for the thread that loads commands. A command gets its id before it is sent
+/// to the control cycle, so that later requests in the same queue can refer to it.
 #[derive(Clone, Debug)]
 pub struct IdAllocator {
     free: Vec<u32>,
@@ -47,7 +47,7 @@ pub struct IdAllocator {
 }
 
 impl IdAllocator {
-    /// An allocator with all slots of a table for `commands` commands free.
+    /// Creates an allocator for a table with `commands` slots, all of them free.
     #[must_use]
     pub fn new(commands: usize) -> Self {
         let commands = u32::try_from(commands).unwrap_or(u32::MAX);
@@ -68,18 +68,19 @@ impl IdAllocator {
         })
     }
 
-    /// Frees the slot of a command that has left the cycle.
+    /// Frees the slot of a command that has left the core, for the id of another command.
     pub fn release(&mut self, id: CommandId) {
         self.free.push(id.slot);
     }
 
-    /// Reserves the next rule id. Ids are never used twice, so that a late reference cannot meet another rule.
+    /// Returns a new rule id. Ids are never used twice, so that a late reference to a removed rule cannot reach another
+    /// rule.
     pub fn allocate_rule(&mut self) -> RuleId {
         self.rules += 1;
         RuleId(self.rules)
     }
 
-    /// Number of free slots.
+    /// Returns the number of free slots for commands.
     #[must_use]
     pub fn free_slots(&self) -> usize {
         self.free.len()

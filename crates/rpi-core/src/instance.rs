@@ -17,18 +17,18 @@ use alloc::sync::Arc;
 use alloc::vec;
 use alloc::vec::Vec;
 
-/// The way in which a command ends after a cycle.
+/// Way in which a command ends after a cycle.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub enum Verdict {
-    /// The named result with this index.
+    /// The command ends by one of its named results, given by its index in the image.
     Result(usize),
-    /// The ports `terminate` and `fail`, with the error number of `fail`; 0 for none.
+    /// The net set its port `terminate` to true; the number is the value of its port `fail`, 0 for no error.
     Terminate(i64),
     /// A fault in the cycle, such as an overflow or a missing sample.
     Fault(Fault),
 }
 
-/// One image in memory, with its devices resolved.
+/// Loaded instance of an image (a compiled command): its memory, its executable steps and its resolved device ports.
 pub struct Instance {
     image: Arc<Image>,
     slots: Box<[u64]>,
@@ -87,7 +87,7 @@ impl Instance {
         Ok(machine)
     }
 
-    /// Restores the state after loading.
+    /// Restores the state that the instance had after loading: initial memory, cycle number 0, no fault.
     pub fn reset(&mut self) {
         self.slots.fill(0);
         for &(cell, bits) in &self.image.init {
@@ -98,24 +98,24 @@ impl Instance {
         self.fault = None;
     }
 
-    /// The loaded image.
+    /// Returns the image that this instance of a command was loaded from.
     #[must_use]
     pub fn image(&self) -> &Arc<Image> {
         &self.image
     }
 
-    /// Number of the current cycle, from 0; between cycles, the number of the next one.
+    /// Returns the number of the current cycle, counted from 0; between two cycles, the number of the next one.
     #[must_use]
     pub fn cycle(&self) -> u64 {
         self.cycle
     }
 
-    /// Resources (actuators) that the image needs, in ascending order.
+    /// Returns the numbers of the resources (actuators) that the image needs, in ascending order.
     pub fn resources(&self) -> impl Iterator<Item = u32> + '_ {
         self.ports.held_resources()
     }
 
-    /// Memory of the machine without its image, in bytes: slots and resolved steps.
+    /// Returns the memory of the instance without its image, in bytes: slots and resolved steps.
     #[must_use]
     pub fn memory(&self) -> usize {
         size_of_val(&*self.slots)
@@ -126,19 +126,20 @@ impl Instance {
             + size_of_val(&*self.init)
     }
 
-    /// Memory of the machine with its image, in bytes.
+    /// Returns the memory of the instance together with its image, in bytes.
     #[must_use]
     pub fn footprint(&self) -> usize {
         self.memory() + self.image.memory_bytes()
     }
 
-    /// The first fault of the current cycle.
+    /// Returns the first fault of the current cycle; `None` if the cycle has no fault.
     #[must_use]
     pub fn fault(&self) -> Option<Fault> {
         self.fault
     }
 
-    /// Phase 1: latches the sensors and the flows that the core provides.
+    /// Phase 1 of a cycle: stores the values of the sensors and of the flows that the core provides, such as times and
+    /// `cancel`.
     pub fn read(&mut self, bank: &mut dyn DeviceBank, context: &CycleContext) {
         self.clock = CycleTime {
             cycle_index: self.cycle,
@@ -158,7 +159,7 @@ impl Instance {
         }
     }
 
-    /// Phase 2: runs every active primitive once, in dependency order.
+    /// Phase 2 of a cycle: runs every active primitive (basic operation) once, in dependency order.
     pub fn evaluate(&mut self, bank: &mut dyn DeviceBank) {
         let mut cx = prim_context(&mut self.slots, self.clock, bank, self.fault);
         let (image, init) = (&*self.image, &*self.init);
@@ -169,7 +170,7 @@ impl Instance {
         self.fault = cx.fault;
     }
 
-    /// Runs a single step of phase 2, for tests and debuggers. Returns the index of the next step.
+    /// Runs the single step with index `pc` of phase 2, for tests and debuggers. Returns the index of the next step.
     pub fn step(&mut self, pc: usize, bank: &mut dyn DeviceBank) -> usize {
         if pc >= self.steps.ops.len() {
             return pc;
@@ -181,7 +182,7 @@ impl Instance {
         next
     }
 
-    /// Phase 3: stores the values that `pre` returns in the next cycle.
+    /// Phase 3 of a cycle: stores the values that the delays (`pre`) return in the next cycle.
     pub fn commit(&mut self) {
         let mut pc = 0;
         while let Some(op) = self.commit.ops.get(pc) {
@@ -198,7 +199,8 @@ impl Instance {
         }
     }
 
-    /// Phase 4: sends all set-points to the devices. After a fault it sends none and stops what is moving.
+    /// Phase 4 of a cycle: sends all set-points to the devices. After a fault, sends none and stops the moving
+    /// actuators.
     ///
     /// Returns false if a moving actuator had no set-point and was stopped.
     pub fn hand_over(&mut self, bank: &mut dyn DeviceBank) -> bool {
@@ -222,24 +224,24 @@ impl Instance {
         self.ports.checks_continuity = true;
     }
 
-    /// The actuator port whose set-point is discontinuous in this cycle.
+    /// Returns the actuator port whose set-point is discontinuous in this cycle; `None` if all are continuous.
     pub(crate) fn discontinuity(&self) -> Option<&ActuatorPort> {
         let (actuator, _) = self.ports.discontinuity?;
         self.image.actuators.get(actuator)
     }
 
-    /// Takes the discontinuity of this cycle, so that it is reported once.
+    /// Returns the discontinuity of this cycle and removes it, so that it is reported once; `None` if there is none.
     pub(crate) fn take_discontinuity(&mut self) -> Option<Discontinuity> {
         self.ports.discontinuity.take().map(|(_, jump)| jump)
     }
 
-    /// Raises a fault in this cycle unless there is one already.
+    /// Raises a fault in this cycle, unless there is one already. `cell` is the memory slot of the flow to report.
     pub(crate) fn fail(&mut self, code: FaultCode, cell: u32) {
         self.fault.get_or_insert(Fault::new(code, cell));
     }
 
-    /// Phase 5: whether and how the command ends with this cycle. `covered` holds for each result whether a successor
-    /// takes over; a `yield` without a successor is ignored.
+    /// Phase 5 of a cycle: returns how the command ends after this cycle; `None` if it continues. `covered` holds for
+    /// each named result whether a successor takes over; a `yield` without a successor is ignored.
     #[must_use]
     pub fn verdict(&self, covered: &[bool]) -> Option<Verdict> {
         if let Some(fault) = self.fault {
@@ -268,7 +270,7 @@ impl Instance {
         }
     }
 
-    /// Value of a flow; `None` if it is absent. The flow must belong to an active fragment.
+    /// Returns the value of a flow as 64-bit slots; `None` if it is absent. The flow must belong to an active fragment.
     #[must_use]
     pub fn value(&self, signal: Signal) -> Option<&[u64]> {
         let present = self
@@ -278,7 +280,7 @@ impl Instance {
         self.slots.get(signal.slots().range()).filter(|_| present)
     }
 
-    /// True if a fragment and all fragments around it were active in this cycle.
+    /// True if the fragment with this index and all fragments around it were active in this cycle.
     #[must_use]
     pub fn is_active(&self, fragment: u32) -> bool {
         let mut at = Some(fragment);
@@ -291,8 +293,8 @@ impl Instance {
         true
     }
 
-    /// Upper bound of the work per cycle, in elementary operations (a real addition is 1). `primitives` is a known
-    /// bound for all primitives together; without it, all fragments count as active.
+    /// Returns an upper bound of the work per cycle, in elementary operations (a real addition is 1). `primitives` is a
+    /// known bound for all primitives together; without it, all fragments count as active.
     #[must_use]
     pub fn work(&self, primitives: Option<u64>) -> u64 {
         let known = primitives
@@ -301,16 +303,18 @@ impl Instance {
         known.saturating_add(self.work_bound.overhead)
     }
 
-    /// The fragment active in this cycle with the most work of its own. Nested fragments count separately.
+    /// Returns the index of the fragment, among those active in this cycle, whose own steps have the most work. The
+    /// work of nested fragments counts for them alone. 0 if no candidate is active.
     #[must_use]
     pub fn heaviest_active_fragment(&self) -> u32 {
         let mut heaviest = self.work_bound.heaviest.iter().copied();
         heaviest.find(|f| self.is_active(*f)).unwrap_or(0)
     }
 
-    /// Overwrites a flow, or makes it absent with `None`. Tests and replays inject values this way.
+    /// Overwrites a flow with the slots `value`, or makes it absent with `None`. Tests and replays inject values this
+    /// way.
     ///
-    /// Returns false if the length differs or the flow cannot be absent.
+    /// Returns false if the number of slots differs or the flow cannot be absent.
     pub fn force(&mut self, signal: Signal, value: Option<&[u64]>) -> bool {
         if let Some(value) = value {
             let cells = self.slots.get_mut(signal.slots().range());
@@ -327,8 +331,8 @@ impl Instance {
         true
     }
 
-    /// Sets an input between two cycles; `net_ns` is the logical time of the update. Returns false if the index or the
-    /// length is wrong.
+    /// Sets the input with index `index` between two cycles. `value` holds its 64-bit slots; `net_ns` is the logical
+    /// time of the update in nanoseconds. Returns false if there is no such input or the number of slots is wrong.
     pub fn set_input(&mut self, index: usize, value: &[u64], net_ns: i64) -> bool {
         let Some(input) = self.image.inputs.get(index) else {
             return false;
@@ -341,7 +345,7 @@ impl Instance {
         is_set
     }
 
-    /// Marks an input as never set. An input that may be absent becomes absent.
+    /// Marks the input with index `index` as never set. An input that may be absent becomes absent.
     pub fn clear_input(&mut self, index: usize) {
         let input = self.image.inputs.get(index);
         if let Some(updated) = input.and_then(|input| input.last_updated) {
@@ -401,7 +405,7 @@ fn restore(cells: &mut [u64], state: SlotRange, init: &[(u32, u64)]) {
     }
 }
 
-/// Range of the image's initial values that lie in a fragment's state.
+/// Returns the range of those entries in the image's list of initial values that belong to the state of a fragment.
 fn init_range(image: &Image, fragment: &Fragment) -> SlotRange {
     let before = |cell: u32| image.init.partition_point(|i| i.0 < cell);
     let (start, end) = (before(fragment.state.start), before(fragment.state.end()));
@@ -412,7 +416,7 @@ fn init_range(image: &Image, fragment: &Fragment) -> SlotRange {
     }
 }
 
-/// Number of ticks since the first cycle.
+/// Returns the number of ticks since the first cycle.
 fn elapsed_ticks(clock: CycleTime) -> i64 {
     clock
         .cycle_index

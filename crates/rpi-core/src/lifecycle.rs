@@ -16,7 +16,7 @@
 //!
 //! Every other pair is rejected and changes nothing.
 
-/// State of a command between loading and removal, as in rules L1 to L6 of the book.
+/// State of a command between loading and removal, as in rules L1 to L6 of the manual.
 #[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Debug)]
 pub enum CommandState {
     /// Memory and devices are being prepared outside the cycle.
@@ -25,46 +25,47 @@ pub enum CommandState {
     Rejected,
     /// The command can be started or scheduled. It holds no resources.
     Ready,
-    /// The command waits for a rule to fire. It holds those of its resources that were free.
+    /// The command waits for a rule to start it. It holds those of its resources that were free.
     Scheduled,
-    /// The command runs in every cycle that is due.
+    /// The command runs one cycle in every tick in which it is due.
     Running,
-    /// The command runs and sees `cancel`.
+    /// The command runs, and its flow `cancel` is true because a cancel was requested.
     Cancelling,
     /// The command has ended; its result, error and cause are known.
     Terminated,
 }
 
-/// Event in the life of a command.
+/// Event in the life of a command that may change its state.
 #[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Debug)]
 pub enum CommandEvent {
-    /// Loading has succeeded.
+    /// The image was loaded without an error.
     Loaded,
     /// Loading has found errors.
     LoadFailed,
-    /// A start request; all needed resources are free.
+    /// The command is started by a request; all needed resources are free.
     Start,
-    /// A rule that starts the command is added; its resources are free or come from its predecessors.
+    /// A rule that will start the command is added. The resources of the command are free or come from its
+    /// predecessors.
     Schedule,
-    /// A rule that starts the command fires.
+    /// A rule that starts the command fires: its condition is true.
     Fire,
-    /// Nothing can start the command any more.
+    /// No rule can start the command any more.
     Orphaned {
-        /// The command becomes ready again instead of being removed.
+        /// True if the command becomes ready again; false if it is removed.
         kept: bool,
     },
-    /// A cancel request.
+    /// A client or a rule asks the command to end in an orderly way.
     Cancel,
-    /// A result, an abort, a fault or a stop by a rule.
+    /// The command ends by a result, an abort, a fault, or a rule that stops it.
     End,
     /// The owner unloads the command.
     Unload,
 }
 
-/// What an event (start, cancel, end and so on) does to the state of a command.
+/// Effect of an event (start, cancel, end and so on) on the lifecycle state of a command.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub enum Transition {
-    /// The command enters this state.
+    /// The command is in this state after the event.
     To(CommandState),
     /// The command is removed from the table. It is freed outside the cycle.
     Removed,
@@ -84,7 +85,7 @@ impl CommandState {
         CommandState::Terminated,
     ];
 
-    /// Transition function of the lifecycle.
+    /// Returns the effect of `event` on a command in this state.
     #[must_use]
     pub const fn next(self, event: CommandEvent) -> Transition {
         match (self, event) {
@@ -120,7 +121,7 @@ impl CommandState {
         }
     }
 
-    /// True while the command is evaluated in cycles.
+    /// True if a command in this state is evaluated in cycles.
     #[must_use]
     pub const fn is_running(self) -> bool {
         matches!(self, CommandState::Running | CommandState::Cancelling)

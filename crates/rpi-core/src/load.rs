@@ -9,18 +9,18 @@ use rpi_prims::PrimId;
 use alloc::string::String;
 use alloc::vec::Vec;
 
-/// Error when loading an image.
+/// Reason why an image (a compiled command) cannot be loaded in a cell.
 #[derive(Clone, PartialEq, Eq, Debug)]
 pub enum LoadError {
-    /// The image is malformed.
+    /// The verifier rejects the image, because of this error.
     InvalidImage(VerifyError),
-    /// The image names a device that the cell does not have.
+    /// The image names a device, given here, that the cell does not have.
     UnknownDevice(String),
     /// The image names a device port that the cell does not have, or has with another kind or type.
     UnknownPort {
-        /// The port as `device.port[index]: type`.
+        /// Port of the image, as the text `device.port[index]: type`.
         port: String,
-        /// Use of the port: sensor, actuator or function.
+        /// Use of the port by the image: sensor, actuator or function.
         kind: PortKind,
         /// The error reported by the cell.
         error: ResolveError,
@@ -46,7 +46,8 @@ impl fmt::Display for LoadError {
 
 impl core::error::Error for LoadError {}
 
-/// Declaration of a primitive of this build by its name, for the verifier.
+/// Returns the declaration of the primitive (basic operation) with this name, for the verifier; `None` if this build
+/// does not have it.
 #[must_use]
 pub fn prim_desc(name: &str) -> Option<&'static PrimDesc> {
     PrimId::from_name(name).map(PrimId::desc)
@@ -57,7 +58,8 @@ pub(crate) fn verify_image(image: &Image) -> Result<(), Vec<LoadError>> {
     verify(image, &prim_desc).map_err(|e| e.into_iter().map(LoadError::InvalidImage).collect())
 }
 
-/// Resolves a port name. Records an error and returns an invalid id if the port does not exist.
+/// Resolves a port of an image in the cell. If the cell lacks the port, appends an error to `faults` and returns an
+/// invalid id.
 pub(crate) fn resolve_port(
     bank: &mut dyn DeviceBank,
     faults: &mut Vec<LoadError>,

@@ -35,43 +35,44 @@ pub enum Notice {
         command: CommandId,
         /// Tick of the command's last cycle, or the next tick if it ended between two ticks.
         tick: u64,
-        /// Cause, error number and circumstances.
+        /// Cause of the end, error number and circumstances.
         ending: Ending,
     },
-    /// Nothing can start a scheduled command any more. It is ready again if it was to be kept; otherwise it can be
-    /// taken out with [`crate::Core::take_orphan`].
+    /// No rule can start a scheduled command any more.
     Orphaned {
         /// Scheduled command that lost its last rule.
         command: CommandId,
-        /// The command is ready again.
+        /// True if the command is ready again; false if it is removed and can be taken out with
+        /// [`crate::Core::take_orphan`].
         kept: bool,
     },
     /// An ended command has left an actuator in motion, and its device brakes.
     Braked {
-        /// The command that ended.
+        /// Id of the command that ended while the actuator was moving.
         command: CommandId,
-        /// The resource (actuator).
+        /// Number of the actuator (resource) that was still moving.
         resource: u32,
-        /// Tick of the end, as in [`Notice::Ended`].
+        /// Number of the tick in which the command ended, counted since the core was created.
         tick: u64,
     },
-    /// The first set-points after a takeover are discontinuous.
+    /// The first set-points of a command after a takeover do not continue those of its predecessor within the limits of
+    /// the device.
     Discontinuity {
         /// The command that took over.
         command: CommandId,
-        /// Place and size of the discontinuity.
+        /// Resource, quantity, value and limit of the discontinuity.
         discontinuity: Discontinuity,
     },
     /// A rule was removed from the table because it fired, failed, was withdrawn or can no longer fire.
     Rule {
         /// Rule that was removed.
         rule: RuleId,
-        /// The reason for the removal.
+        /// Reason for which the rule was removed.
         outcome: RuleOutcome,
     },
 }
 
-/// Why a rule was removed from the table.
+/// Reason for which a rule was removed from the table.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub enum RuleOutcome {
     /// The rule has fired: its actions have been carried out.
@@ -82,7 +83,8 @@ pub enum RuleOutcome {
     Dropped,
 }
 
-/// Ring buffer of the notices that the host has not read yet; counts those that did not fit.
+/// Ring buffer of the notices (events of commands and rules) that the host has not read yet. A notice that does not fit
+/// is counted and lost.
 pub(crate) struct NoticeLog {
     ring: Box<[Option<Notice>]>,
     first: usize,

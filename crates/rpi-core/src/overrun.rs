@@ -11,7 +11,7 @@ use crate::control_core::Core;
 use crate::ids::CommandId;
 use rpi_device::DeviceBank;
 
-/// Reaction to overruns of a command. Overruns are counted in any case.
+/// Reaction to overruns of a command: cycles that end after the next tick is due. Overruns are counted in any case.
 #[derive(Clone, Copy, PartialEq, Eq, Debug, Default)]
 pub enum CommandOverrunPolicy {
     /// Counts the overruns without any other reaction.
@@ -19,11 +19,11 @@ pub enum CommandOverrunPolicy {
     Count,
     /// Aborts the command when the threshold is reached. Its devices stop on their own; other commands continue.
     Abort(OverrunThreshold),
-    /// Aborts all commands when the threshold is reached. For devices that must move in step.
+    /// Aborts all commands when the threshold is reached. For cells whose devices must move in step.
     Stop(OverrunThreshold),
 }
 
-/// Threshold: a number of overruns within a number of latest cycles.
+/// Threshold of an overrun policy: a number of overruns within a number of latest cycles of a command.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub struct OverrunThreshold {
     overruns: u32,
@@ -31,16 +31,17 @@ pub struct OverrunThreshold {
 }
 
 impl OverrunThreshold {
-    /// Maximum number of cycles in the window.
+    /// Maximum number of cycles in which overruns are counted for a threshold: the bits of a `u64`.
     pub const MAX_WINDOW: u32 = 64;
 
-    /// The threshold that the first overrun reaches.
+    /// Threshold that a single overrun reaches.
     pub const FIRST_OVERRUN: OverrunThreshold = OverrunThreshold {
         overruns: 1,
         window: 1,
     };
 
-    /// A threshold of `overruns` within `of` cycles; `None` unless 1 <= `overruns` <= `of` <= [`OverrunThreshold::MAX_WINDOW`].
+    /// Creates a threshold of `overruns` overruns within the latest `of` cycles; `None` unless 1 <= `overruns` <= `of`
+    /// <= [`OverrunThreshold::MAX_WINDOW`].
     #[must_use]
     pub fn new(overruns: u32, of: u32) -> Option<OverrunThreshold> {
         let sound = (1..=of).contains(&overruns) && of <= OverrunThreshold::MAX_WINDOW;
@@ -50,14 +51,16 @@ impl OverrunThreshold {
         })
     }
 
-    /// True if the threshold is reached. Bit 0 of `history` is the latest cycle; a set bit is an overrun.
+    /// True if the latest cycles reach the threshold. Bit 0 of `history` is the latest cycle, bit 1 the one before; a
+    /// set bit is an overrun.
     #[must_use]
     pub fn is_reached(self, history: u64) -> bool {
         let latest = history & (u64::MAX >> (OverrunThreshold::MAX_WINDOW - self.window));
         latest.count_ones() >= self.overruns
     }
 
-    /// Parses the suffix of a policy: empty for the first overrun, or `:N/M`.
+    /// Parses the suffix of the name of a policy: empty for the first overrun, or `:N/M` for N overruns within M
+    /// cycles. `None` if the text has another form.
     #[must_use]
     pub fn parse_suffix(text: &str) -> Option<OverrunThreshold> {
         if text.is_empty() {
@@ -74,7 +77,7 @@ impl fmt::Display for OverrunThreshold {
     }
 }
 
-/// Error of parsing the name of an overrun policy: no policy has this name.
+/// Error of parsing an overrun policy: the text is not `count`, `abort` or `stop`, or its threshold is invalid.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub struct ParseOverrunPolicyError;
 
@@ -123,13 +126,14 @@ impl fmt::Display for CommandOverrunPolicy {
 /// An overrun: a tick that ended after the next one was due, blamed on the command that took the longest.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub struct Overrun {
-    /// Tick whose computation took too long.
+    /// Number of the tick whose computation took too long, counted from the creation of the core.
     pub tick: u64,
     /// Computing time of the command, nanoseconds.
     pub took_ns: u64,
-    /// Lateness of the end of the tick, nanoseconds.
+    /// Time between the due time of the next tick and the end of this tick, nanoseconds.
     pub late_ns: u64,
-    /// Index of the active fragment with the most work of its own: the probable place of the overrun.
+    /// Index of the probable place of the overrun: the active fragment of the command whose own steps have the most
+    /// work.
     pub fragment: u32,
 }
 
@@ -138,15 +142,16 @@ pub struct Overrun {
 pub struct OverrunStats {
     /// Number of cycles of the command that caused an overrun.
     pub count: u64,
-    /// The overrun with the longest computing time.
+    /// The overrun with the longest computing time of the command; `None` without an overrun.
     pub worst: Option<Overrun>,
-    /// Overruns of the latest 64 cycles as a bit set; bit 0 is cycle `upto`.
+    /// Overruns of the 64 cycles up to `last_cycle`, as a bit set: bit 0 is cycle `last_cycle`, bit 1 the cycle before.
     history: u64,
     last_cycle: u64,
 }
 
 impl OverrunStats {
-    /// Records an overrun in the cycle with this number. Cycles since the previous overrun were in time.
+    /// Records an overrun in the cycle with number `cycle` of the command. All cycles since the previous overrun count
+    /// as in time.
     fn record(&mut self, cycle: u64, overrun: Overrun) {
         let since = u32::try_from(cycle.saturating_sub(self.last_cycle)).unwrap_or(u32::MAX);
         self.history = self.history.checked_shl(since).unwrap_or(0) | 1;
@@ -159,18 +164,18 @@ impl OverrunStats {
 }
 
 impl Command {
-    /// Sets the reaction to overruns. The default is [`CommandOverrunPolicy::Count`].
+    /// Sets the reaction to overruns of this command. The default is [`CommandOverrunPolicy::Count`].
     pub fn set_overrun_policy(&mut self, policy: CommandOverrunPolicy) {
         self.overrun_policy = policy;
     }
 
-    /// Reaction to overruns.
+    /// Returns the reaction to overruns of this command.
     #[must_use]
     pub fn overrun_policy(&self) -> CommandOverrunPolicy {
         self.overrun_policy
     }
 
-    /// Returns the count and the worst case of the command's overruns.
+    /// Returns the number of overruns of the command and the overrun with the longest computing time.
     #[must_use]
     pub fn overrun_stats(&self) -> &OverrunStats {
         &self.overruns
@@ -178,9 +183,9 @@ impl Command {
 }
 
 impl Core {
-    /// Reports an overrun of the last tick and applies the command's policy. The tick ended `late_ns` nanoseconds after
-    /// the next one was due; `id` is the command that took the longest, `took_ns` nanoseconds. Returns true if all
-    /// commands are to be aborted.
+    /// Records an overrun of the last tick and applies the policy of the command `id`, which took the longest:
+    /// `took_ns` nanoseconds. The tick ended `late_ns` nanoseconds after the next one was due. Returns true if the
+    /// caller must abort all commands.
     pub fn report_overrun(
         &mut self,
         id: CommandId,

@@ -19,39 +19,40 @@ pub(crate) struct Ports {
     actuators: Box<[LoadedPort]>,
     resources: Box<[HeldResource]>,
     buffer: Box<[u64]>,
-    /// The command has taken over, so the continuity of its first set-points is checked.
+    /// True if the command has taken over from a predecessor, so that its first set-points are checked for continuity.
     pub(crate) checks_continuity: bool,
-    /// The first discontinuous set-point of this cycle, with the index of its actuator port.
+    /// The first discontinuous set-point of this cycle, after the index of its actuator port in the image; `None` if
+    /// all are continuous.
     pub(crate) discontinuity: Option<(usize, Discontinuity)>,
-    /// The first resource that was moving without a set-point at the end of this cycle, as an index into `held`. The
-    /// second part is the actuator port whose set-point was rejected, if any.
+    /// The first resource that was moving without a set-point at the end of this cycle, as an index into `resources`.
+    /// The second number is the index of the actuator port whose set-point was rejected, if any.
     uncontrolled: Option<(usize, Option<usize>)>,
 }
 
 /// An actuator port of the image, resolved when the image was loaded.
 struct LoadedPort {
     port: PortId,
-    /// Resources that the port moves, as a range of `held`.
+    /// Resources that the port moves, as a range of indices into `resources` of [`Ports`].
     moves: Range<usize>,
-    /// Offset of the set-point in the buffer.
+    /// Index of the first slot of the set-point in `buffer` of [`Ports`].
     offset: usize,
     len: usize,
 }
 
-/// A resource (actuator) that the command holds.
+/// A resource (actuator) of the command, with the set-points of the present and the previous cycle.
 #[derive(Clone, Copy, Default)]
 struct HeldResource {
     resource: u32,
-    /// A set-point for this resource was computed in this cycle, accepted or not.
+    /// True if a set-point for this resource was computed in this cycle, accepted or not.
     claimed: bool,
-    /// A set-point for this resource was accepted in this cycle.
+    /// True if a set-point for this resource was accepted in this cycle.
     has_set_point: bool,
-    /// The actuator port whose set-point is sent at the end of this cycle. Stored at the first resource of the port
-    /// only.
+    /// Index of the actuator port whose set-point is sent at the end of this cycle. Stored only at the first resource
+    /// of the port.
     staged: Option<usize>,
-    /// The actuator port whose set-point was sent at the end of the previous cycle.
+    /// Index of the actuator port whose set-point was sent at the end of the previous cycle; `None` if none was sent.
     last_sent: Option<usize>,
-    /// The actuator port whose set-point was rejected by its device in this cycle.
+    /// Index of the actuator port whose set-point was rejected in this cycle; `None` if none was rejected.
     rejected: Option<usize>,
 }
 
@@ -123,12 +124,12 @@ impl Ports {
         self.buffer = vec![0; end + scratch].into();
     }
 
-    /// Resources that the command holds, in ascending order.
+    /// Returns the numbers of the resources (actuators) that the command needs, in ascending order.
     pub(crate) fn held_resources(&self) -> impl Iterator<Item = u32> + '_ {
         self.resources.iter().map(|h| h.resource)
     }
 
-    /// Restores the state after loading.
+    /// Forgets the set-points of all resources, as after loading.
     pub(crate) fn reset(&mut self) {
         for held in &mut self.resources {
             *held = HeldResource {
@@ -138,7 +139,8 @@ impl Ports {
         }
     }
 
-    /// Latches all sensors, including those in inactive fragments.
+    /// Reads all sensors into the command's memory, including those in inactive fragments. A missing sample of a flow
+    /// that is never absent is a fault.
     pub(crate) fn read_sensors(&self, image: &Image, cx: &mut Context<'_>) {
         for (sensor, &port) in image.sensors.iter().zip(&self.sensors) {
             let value = sensor.value;
@@ -151,7 +153,8 @@ impl Ports {
         }
     }
 
-    /// Checks a set-point, stages it if it is valid, and stores the device's answers in the command's memory.
+    /// Checks the set-point of the actuator port with index `index`, prepares a valid one for sending, and stores the
+    /// responses of the device in the command's memory.
     pub(crate) fn actuate(&mut self, image: &Image, index: usize, cx: &mut Context<'_>) {
         let (actuator, set) = (&image.actuators[index], &self.actuators[index]);
         let value = &mut self.buffer[set.offset..set.offset + set.len];
@@ -200,7 +203,8 @@ impl Ports {
         }
     }
 
-    /// Calls a device function. Without a result the output is absent, or NaN if it cannot be absent.
+    /// Calls the device function with index `index` of the image. Without a result the output is absent, or NaN if it
+    /// cannot be absent.
     pub(crate) fn call(&mut self, image: &Image, index: usize, cx: &mut Context<'_>) {
         let function = &image.functions[index];
         let scratch = self.actuators.last().map_or(0, |a| a.offset + a.len);
@@ -217,7 +221,8 @@ impl Ports {
         }
     }
 
-    /// Sends all staged set-points. Returns false if a moving actuator has no set-point; that actuator is stopped.
+    /// Sends all set-points that were accepted in this cycle. Returns false if a moving actuator has no set-point; the
+    /// device then stops that actuator.
     pub(crate) fn hand_over(&mut self, bank: &mut dyn DeviceBank) -> bool {
         self.uncontrolled = None;
         for (k, held) in self.resources.iter_mut().enumerate() {
@@ -235,7 +240,8 @@ impl Ports {
         self.uncontrolled.is_none()
     }
 
-    /// Fault code for a moving actuator without a set-point, and the index of the actuator port to report.
+    /// Returns the fault for a moving actuator without a set-point: its code, and the index of the actuator port to
+    /// report.
     pub(crate) fn uncontrolled_fault(&self) -> (FaultCode, Option<usize>) {
         match self.uncontrolled {
             Some((_, Some(refused))) => (FaultCode::DeviceFailed, Some(refused)),
@@ -247,7 +253,7 @@ impl Ports {
         }
     }
 
-    /// Drops all staged set-points and stops every moving actuator.
+    /// Drops all set-points of this cycle and stops every moving actuator.
     pub(crate) fn stop(&mut self, bank: &mut dyn DeviceBank) {
         self.reset();
         for held in &self.resources {

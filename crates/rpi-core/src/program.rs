@@ -7,42 +7,43 @@ use alloc::boxed::Box;
 use alloc::vec;
 use alloc::vec::Vec;
 
-/// A step of an image with its operands resolved, ready to be executed.
+/// A step of an image with its primitive resolved to a function pointer, ready to be executed.
 #[derive(Clone, Copy)]
 pub(crate) enum ExecutableStep {
-    /// Runs several calls of the same primitive, one after another; `words` holds the operands of all of them.
+    /// Calls the function `code` of a primitive several times, one call after another; `words` is the range of the
+    /// operands of all calls in the image's code.
     Run { code: RunFn, words: SlotRange },
-    /// Copies single slots: pairs (from, to).
+    /// Copies single slots of memory: `words` is the range of pairs (from, to) in the image's code.
     Copy { words: SlotRange },
-    /// Jumps to step `to` unless one of the fragments behind `guards` is active; see [`Guard`].
+    /// Jumps to step `to` unless one of the fragments with these guards is active; see [`Guard`].
     Skip { guards: SlotRange, to: u32 },
     /// Restores the initial state of a fragment unless slot `unless` is true.
     Reset { unless: u32, fragment: u32 },
-    /// Checks and stages a set-point.
+    /// Checks the set-point for actuator number `actuator` of the image and prepares it for its device.
     Actuate { actuator: u32 },
-    /// Calls a device function.
+    /// Calls device function number `function` of the image, such as the planning of a motion.
     Call { function: u32 },
 }
 
-/// Guard of a fragment: a skip of the image. Skips that land on other skips, as for fragments side by side, form one
-/// chain that is tested in one loop; the first true guard enters its fragment. An inactive fragment thus costs one
-/// memory read and no jump.
+/// Guard of a fragment: makes the program skip the fragment while it is inactive. Guards of fragments that follow one
+/// another form one chain that is tested in one loop; the first true guard enters its fragment. An inactive fragment
+/// thus costs one memory read and no jump.
 #[derive(Clone, Copy)]
 pub(crate) struct Guard {
-    /// Slot of the Boolean that enables the fragment.
+    /// Slot of the Boolean that is true while the fragment is active.
     pub(crate) cell: u32,
-    /// Index of the step after the skip.
+    /// Index of the first step inside the fragment.
     pub(crate) inside: u32,
 }
 
-/// An executable list of steps.
+/// Executable list of steps, with the guards of its fragments.
 pub(crate) struct Program {
     pub(crate) ops: Box<[ExecutableStep]>,
     pub(crate) guards: Box<[Guard]>,
 }
 
 impl Program {
-    /// Index of the next step: inside the fragment of the first true guard, or `to` if none is true.
+    /// Returns the index of the next step: inside the fragment of the first true guard, or `to` if no guard is true.
     #[inline(always)]
     pub(crate) fn next_step(&self, cells: &[u64], guards: SlotRange, to: u32) -> usize {
         let open = self.guards[guards.range()]
@@ -51,7 +52,7 @@ impl Program {
         open.map_or(to, |g| g.inside) as usize
     }
 
-    /// Resolves the steps of a verified image.
+    /// Translates steps of a verified image to executable steps.
     pub(crate) fn new(image: &Image, steps: &[Step]) -> Self {
         let mut program = Program {
             ops: resolve_steps(image, steps),
@@ -61,7 +62,7 @@ impl Program {
         program
     }
 
-    /// Merges skips that land on skips into chains. Each skip belongs to one chain.
+    /// Merges skips whose targets are skips into chains, which are tested in one loop. Each skip belongs to one chain.
     fn chain(&mut self, steps: &[Step]) {
         let mut guards = Vec::new();
         let mut chained = vec![false; steps.len()];
@@ -88,8 +89,8 @@ impl Program {
     }
 }
 
-/// The chain that starts at `pc`: skips that land on one another, up to one that already belongs to a chain. Each is
-/// (index, slot, target).
+/// Returns the chain of skips that starts at step `pc`: each skip jumps to the next one, up to a skip that already
+/// belongs to a chain. Each entry is (index of the step, slot of the guard, target step).
 fn chain_from(steps: &[Step], chained: &[bool], pc: usize) -> Vec<(usize, u32, u32)> {
     let skip = |at: usize| match steps.get(at) {
         Some(Step::Skip { unless, target: to }) if !chained[at] => Some((at, *unless, *to)),
@@ -98,7 +99,7 @@ fn chain_from(steps: &[Step], chained: &[bool], pc: usize) -> Vec<(usize, u32, u
     core::iter::successors(skip(pc), |(_, _, to)| skip(*to as usize)).collect()
 }
 
-/// Translates steps one to one; the guards of skips are added later.
+/// Translates steps one to one. [`Program::new`] adds the guards of skips afterwards.
 fn resolve_steps(image: &Image, steps: &[Step]) -> Box<[ExecutableStep]> {
     let code = |prim: u16, form: Form| -> RunFn {
         let name = image
@@ -137,7 +138,7 @@ fn resolve_steps(image: &Image, steps: &[Step]) -> Box<[ExecutableStep]> {
     steps.iter().map(op).collect()
 }
 
-/// Copies single slots: pairs (from, to).
+/// Copies single slots of `cells`: `words` holds pairs (from, to) of slot indices.
 pub(crate) fn copy_slots(cells: &mut [u64], words: &[u32]) {
     for pair in words.chunks_exact(2) {
         cells[pair[1] as usize] = cells[pair[0] as usize];

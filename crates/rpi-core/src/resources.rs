@@ -6,7 +6,8 @@ use crate::rule::Rule;
 use crate::schedule::Schedule;
 
 impl Schedule {
-    /// Checks that a command started by a rule has a resource, can take it, or gets it from a predecessor.
+    /// Checks that the command in slot `place`, which `rule` starts, holds the resource, can take it, or gets it from a
+    /// predecessor. The error names the command that holds it.
     pub(crate) fn check_reachable(
         &self,
         rule: &Rule,
@@ -37,7 +38,8 @@ impl Schedule {
             .any(|e| e.is_live() && e.command.needs(resource))
     }
 
-    /// True if the holder is scheduled after the same command as this rule, so that both are alternatives.
+    /// True if the command in slot `holder` waits for the end of a command for which `rule` waits too, so that at most
+    /// one of both starts.
     fn is_alternative(&self, rule: &Rule, holder: usize) -> bool {
         let scheduled = self
             .commands
@@ -58,8 +60,9 @@ impl Schedule {
                 .any(|p| p.rule.start.contains(&id) && common(&p.rule))
     }
 
-    /// Checks at firing time that a command's resources are its own, or free, or held by commands that end now or are
-    /// alternatives.
+    /// Checks, when `rule` fires, that the command at index `place` of the command table can be started: each of its
+    /// resources is free, reserved by the command itself, or held by a command that ends now or is an alternative: of
+    /// both at most one starts.
     pub(crate) fn check_obtainable(&self, rule: &Rule, place: usize) -> Result<(), CommandError> {
         let command = &self.commands.entry(place)?.command;
         let others = self.commands.entries.iter().enumerate();
@@ -75,7 +78,7 @@ impl Schedule {
         }
     }
 
-    /// True if the holder ends in the current decision, on its own or by this rule.
+    /// True if the command in slot `holder` ends in the current decision, by itself or stopped by `rule`.
     fn is_ending(&self, rule: &Rule, holder: usize) -> bool {
         let leaving = self.commands.get(holder).is_some_and(|e| e.ending);
         leaving || rule.stop.contains(&self.commands.id(holder))
@@ -98,8 +101,8 @@ impl Schedule {
         took
     }
 
-    /// Marks the resources that a scheduled command cannot take now: those from a predecessor and those of unrelated
-    /// commands.
+    /// Marks the resources that the scheduled command in slot `place` cannot take now: those that a predecessor passes
+    /// on and those of unrelated commands.
     fn mark_unavailable(&mut self, place: usize) {
         let id = self.commands.id(place);
         for k in 0..self.need_count(place) {
@@ -147,7 +150,8 @@ impl Schedule {
             .map_or(0, |e| e.command.resource_uses.len())
     }
 
-    /// The k-th needed resource, if it is neither held nor marked as unavailable.
+    /// Returns the resource with index `k` in the needs of the command in slot `place`; `None` if the command holds it
+    /// or cannot take it.
     fn lacking_resource(&self, place: usize, k: usize) -> Option<u32> {
         let entry = self.commands.get(place)?;
         let hold = entry

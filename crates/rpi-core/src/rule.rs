@@ -12,18 +12,18 @@ use alloc::vec::Vec;
 #[derive(Clone, PartialEq, Eq, Debug)]
 pub struct Rule {
     pub(crate) condition: Condition,
-    /// Predecessors in ascending order: commands that have ended or are stopped when the rule fires. Their resources
-    /// can be taken over.
+    /// Predecessors in ascending order: commands that have ended when the rule fires, or that the rule stops. The
+    /// started commands can take over their resources.
     pub(crate) predecessors: Vec<CommandId>,
     pub(crate) stop: Vec<CommandId>,
     pub(crate) cancel: Vec<CommandId>,
     pub(crate) start: Vec<CommandId>,
     pub(crate) keeps_orphans: bool,
-    /// Values passed from ended commands to the commands that the rule starts.
+    /// Values that the rule copies from exports of ended commands to inputs of the commands that it starts.
     pub(crate) transfers: Vec<ValueTransfer>,
 }
 
-/// A value passed from an export of one command to an input of its successor.
+/// A value to copy from an export of one command to an input of its successor.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub(crate) struct ValueTransfer {
     pub(crate) from: CommandId,
@@ -33,7 +33,7 @@ pub(crate) struct ValueTransfer {
 }
 
 impl Rule {
-    /// A rule with this condition and no actions.
+    /// Creates a rule with this condition and no actions.
     #[must_use]
     pub fn when(condition: Condition) -> Rule {
         Rule {
@@ -47,13 +47,15 @@ impl Rule {
         }
     }
 
-    /// A rule that fires when a command has ended regularly; see [`Fact::Regular`].
+    /// Creates a rule that fires when a command has ended regularly: by a result, without an error and without a
+    /// cancel.
     #[must_use]
     pub fn follow(predecessor: CommandId) -> Rule {
         Rule::when(Condition::from_fact(predecessor, Fact::Regular))
     }
 
-    /// As [`Rule::follow`], but only for these results (by index). Without any result the rule never fires.
+    /// Creates a rule that fires when the command `predecessor` has ended regularly by one of these results, given by
+    /// their indices. Without any result the rule never fires.
     #[must_use]
     pub fn follow_by(predecessor: CommandId, results: &[u32]) -> Rule {
         let one = |k: &u32| Condition::from_fact(predecessor, Fact::Result(*k));
@@ -89,8 +91,9 @@ impl Rule {
         self
     }
 
-    /// Adds an action: copies an export (by index) of a predecessor's last cycle to an input of a command that this
-    /// rule starts. An absent value or one of the wrong size leaves the input unchanged.
+    /// Adds an action: copies an export of a predecessor's last cycle to an input of a command that this rule starts.
+    /// Each pair is a command and the index of its export or input. An absent value or one of the wrong size leaves the
+    /// input unchanged.
     #[must_use]
     pub fn transfer(
         mut self,
@@ -106,28 +109,28 @@ impl Rule {
         self
     }
 
-    /// If nothing can start the rule's commands any more, they become ready again instead of being removed.
+    /// Makes the commands of the rule ready again, instead of removing them, if no rule can start them any more.
     #[must_use]
     pub fn keep_orphans(mut self) -> Rule {
         self.keeps_orphans = true;
         self
     }
 
-    /// Evaluation cost: number of condition words plus number of actions.
+    /// Cost of one evaluation: number of words of the condition plus number of actions.
     pub(crate) fn cost(&self) -> usize {
         let acts_on = self.stop.len() + self.cancel.len() + self.start.len();
         self.condition.words().count() + acts_on + self.transfers.len()
     }
 
-    /// The commands that the rule starts.
+    /// Returns the commands that the rule starts.
     #[must_use]
     pub fn starts(&self) -> &[CommandId] {
         &self.start
     }
 
-    /// Commands that never run again once the rule has fired: its predecessors, and the commands that it stops while
-    /// they run. `runs` returns whether a command is running already. Other stopped commands are included only if the
-    /// condition requires their first cycle.
+    /// Returns the commands that never run again once the rule has fired: its predecessors, and the commands that it
+    /// stops while they run. `runs` returns whether a command is running already. Other stopped commands are included
+    /// only if the condition requires their first cycle.
     pub fn finally_ended<'a>(
         &'a self,
         runs: impl Fn(CommandId) -> bool + 'a,
@@ -139,7 +142,7 @@ impl Rule {
         })
     }
 
-    /// All commands in the condition and in the stop set, with duplicates.
+    /// Returns all commands in the condition, then those that the rule stops, with duplicates.
     pub(crate) fn mentioned_commands(&self) -> impl Iterator<Item = CommandId> + '_ {
         self.condition
             .mentioned_commands()

@@ -14,7 +14,7 @@ use crate::rule::Rule;
 use alloc::vec::Vec;
 
 impl Rule {
-    /// Encodes the rule; see [`Rule::from_words`].
+    /// Encodes the rule as numbers, for recordings and transmission; [`Rule::from_words`] decodes them.
     #[must_use]
     pub fn to_words(&self) -> Vec<u64> {
         let condition: Vec<u64> = self
@@ -42,7 +42,7 @@ impl Rule {
         words
     }
 
-    /// Decodes a rule; `None` if the numbers are malformed.
+    /// Decodes a rule from the numbers of [`Rule::to_words`]; `None` if the numbers are malformed.
     #[must_use]
     pub fn from_words(words: &[u64]) -> Option<Rule> {
         let (condition, rest) = split_part(words)?;
@@ -72,7 +72,8 @@ fn push_part(words: &mut Vec<u64>, part: impl ExactSizeIterator<Item = u64>) {
     words.extend(part);
 }
 
-/// Splits off the first part of an encoding, which begins with its length. Returns the part and the rest.
+/// Splits off the first part of an encoding, whose length stands before it. Returns the part and the rest; `None` if
+/// the encoding is too short.
 fn split_part(words: &[u64]) -> Option<(&[u64], &[u64])> {
     let (len, rest) = words.split_first()?;
     rest.split_at_checked(usize::try_from(*len).ok()?)

@@ -13,22 +13,22 @@ use alloc::vec::Vec;
 pub(crate) struct PendingRule {
     pub(crate) id: RuleId,
     pub(crate) rule: Box<Rule>,
-    /// The commands in the condition and in the stop set.
+    /// The commands in the condition of the rule and the commands that it stops.
     pub(crate) mentioned: CommandSet,
-    /// The condition is true in the decision of this tick.
+    /// True if the condition is true in the decision of this tick, so that the rule fires.
     pub(crate) is_firing: bool,
-    /// The rule may still fire.
+    /// True if the rule may still fire.
     pub(crate) may_fire: bool,
 }
 
 /// The rules of a core. The table has a fixed size and does not allocate after its creation.
 pub(crate) struct RuleTable {
-    /// Pending rules in the order of their creation.
+    /// Rules that have not fired, in the order in which they were added.
     pub(crate) pending: Vec<PendingRule>,
     /// Fired and dropped rules that wait to be freed outside the cycle.
     finished: Vec<(RuleId, Box<Rule>)>,
     capacity: usize,
-    /// Latest id that the table chose.
+    /// Number of the latest id that the table gave to a rule; the next rule gets the following one.
     last_id: u64,
 }
 
@@ -42,18 +42,18 @@ impl RuleTable {
         }
     }
 
-    /// Reserves the next rule id, which no rule has had before.
+    /// Returns a new rule id, which no rule has had before.
     pub(crate) fn new_id(&mut self) -> RuleId {
         self.last_id += 1;
         RuleId(self.last_id)
     }
 
-    /// True if no rule can be added before a finished one is taken out.
+    /// True if no rule can be added before a fired or dropped rule is taken out.
     pub(crate) fn is_full(&self) -> bool {
         self.pending.len() + self.finished.len() >= self.capacity
     }
 
-    /// Adds a rule after all others.
+    /// Adds a rule after all other pending rules.
     pub(crate) fn add(&mut self, id: RuleId, rule: Box<Rule>) {
         self.pending.push(PendingRule {
             id,
@@ -64,30 +64,30 @@ impl RuleTable {
         });
     }
 
-    /// Index of a pending rule in the table; `None` if the rule is not pending.
+    /// Returns the index of a rule in the list of pending rules; `None` if the rule is not pending.
     pub(crate) fn position(&self, id: RuleId) -> Option<usize> {
         self.pending.iter().position(|p| p.id == id)
     }
 
-    /// Keeps a rule that has fired or was dropped, until it is freed outside the cycle.
+    /// Stores a rule that has fired or was dropped, until it is freed outside the cycle.
     pub(crate) fn finish(&mut self, id: RuleId, rule: Box<Rule>) {
         // `finished` has enough capacity: both lists together never exceed the capacity of one.
         self.finished.push((id, rule));
     }
 
-    /// Moves a finished rule out, to be freed outside the cycle.
+    /// Removes and returns a fired or dropped rule, to be freed outside the cycle; `None` if there is none.
     pub(crate) fn take_finished(&mut self) -> Option<(RuleId, Box<Rule>)> {
         self.finished.pop()
     }
 
-    /// Removes a pending rule and reports its outcome.
+    /// Removes the pending rule with index `at` and reports its outcome to `notices`.
     pub(crate) fn drop_rule(&mut self, at: usize, outcome: RuleOutcome, notices: &mut NoticeLog) {
         let PendingRule { id, rule, .. } = self.pending.remove(at);
         notices.push(Notice::Rule { rule: id, outcome });
         self.finish(id, rule);
     }
 
-    /// Removes all rules that can no longer fire, in one pass, and reports them.
+    /// Removes all rules that can no longer fire, in one pass, and reports them to `notices`.
     pub(crate) fn drop_unfirable(&mut self, notices: &mut NoticeLog) {
         for PendingRule { id, rule, .. } in self.pending.extract_if(.., |p| !p.may_fire) {
             let outcome = RuleOutcome::Dropped;
@@ -97,7 +97,8 @@ impl RuleTable {
         }
     }
 
-    /// Replaces the facts about a removed command by their final values in all rules.
+    /// Replaces, in the conditions of all rules, the facts about the removed command `gone` by their final values in
+    /// `entry`.
     pub(crate) fn freeze_facts(&mut self, gone: CommandId, entry: &Entry) {
         let own: CommandSet = [gone].into_iter().collect();
         let pending = self.pending.iter_mut();

@@ -13,9 +13,10 @@ use crate::rule_table::RuleTable;
 
 use alloc::boxed::Box;
 
-/// Capacity for rules per command slot.
+/// Capacity of the table of rules, per slot of the table of commands.
 const RULES_PER_COMMAND: usize = 4;
-/// Capacity for notices per command slot. One tick produces fewer for commands with up to ten actuators.
+/// Capacity of the log of notices (events for the host), per slot of the table of commands. One tick produces fewer
+/// notices for commands with up to ten actuators.
 const NOTICES_PER_COMMAND: usize = 16;
 
 /// The commands and rules of a core, consistent with one another: every pending rule may still fire, and some rule may
@@ -65,7 +66,8 @@ impl Schedule {
         }
     }
 
-    /// Marks a command as scheduled by a new rule; `kept` if it becomes ready again when it is orphaned.
+    /// Marks a command as scheduled by a new rule. `kept` is true if the command becomes ready again, instead of being
+    /// removed, once no rule can start it any more.
     fn mark_scheduled(&mut self, command: CommandId, kept: bool) {
         let place = self.commands.find(command);
         let Some(entry) = place.and_then(|p| self.commands.get_mut(p)) else {
@@ -78,7 +80,7 @@ impl Schedule {
         (entry.keep_if_orphaned, entry.live) = (entry.keep_if_orphaned | kept, true);
     }
 
-    /// Checks that a rule can be added.
+    /// Checks that the rule can be added; the error is the reason why not.
     fn check_rule(&self, rule: &Rule) -> Result<(), CommandError> {
         if self.rules.is_full() {
             return Err(CommandError::TableFull);
@@ -100,7 +102,7 @@ impl Schedule {
         }
     }
 
-    /// True if the condition may become true before the commands that the rule starts have run.
+    /// True if the condition of the rule may become true before the commands that the rule starts have run.
     fn may_come_true(&self, rule: &Rule) -> bool {
         let know = |id: CommandId, fact: Fact| match fact {
             Fact::Export(_) if rule.start.contains(&id) => Truth::UNKNOWN_FOREVER,
@@ -110,7 +112,7 @@ impl Schedule {
         rule.condition.evaluate(know).may_be_true()
     }
 
-    /// Checks that the commands that a rule starts can get all their resources.
+    /// Checks that the commands that the rule starts can get all their resources.
     fn check_all_reachable(&self, rule: &Rule) -> Result<(), CommandError> {
         for (k, id) in rule.start.iter().enumerate() {
             let place = self.commands.find(*id).ok_or(CommandError::Unknown)?;
@@ -132,15 +134,17 @@ impl Schedule {
         Ok(())
     }
 
-    /// Drops the rules that can no longer fire, orphans the commands that nothing can start any more, and lets the
-    /// remaining scheduled commands take freed resources. Called after every change of a command's state.
+    /// Drops the rules that can no longer fire, removes or makes ready again the commands that no rule can start any
+    /// more, and lets the remaining scheduled commands take freed resources. Called after every change of a command's
+    /// state.
     pub(crate) fn propagate_changes(&mut self) {
         // A resource taken by one command may be out of reach for another, so iterate to a fixed point. Every iteration
         // but the last takes a resource, which bounds the loop.
         while self.propagate_once() {}
     }
 
-    /// One iteration of `propagate_changes`. Returns true if a scheduled command took a free resource.
+    /// Makes one pass of [`Schedule::propagate_changes`]. Returns true if a scheduled command took a resource: others
+    /// may then be unable to get it, so the caller repeats the pass.
     fn propagate_once(&mut self) -> bool {
         self.mark_live();
         self.rules.drop_unfirable(&mut self.notices);
@@ -152,8 +156,8 @@ impl Schedule {
         self.take_free()
     }
 
-    /// Computes which scheduled commands may still run and which rules may still fire. This is a least fixed point, so
-    /// commands that only wait for one another in a dependency cycle are orphaned.
+    /// Computes which scheduled commands may still run and which rules may still fire. The result is a least fixed
+    /// point, so commands that only wait for one another in a dependency cycle cannot run.
     fn mark_live(&mut self) {
         let entries = self.commands.entries.iter_mut().flatten();
         entries.for_each(|e| e.live = e.command.state != CommandState::Scheduled && !e.orphaned);
@@ -170,8 +174,8 @@ impl Schedule {
         }
     }
 
-    /// Marks rules that may still fire as such, among those that mention a command in `about` (`None` for all rules).
-    /// Returns the commands that became live; `back` reverses the order.
+    /// Marks the rules that may still fire, among those that mention a command in `about` (`None` for all rules).
+    /// Returns the commands that such a rule could start; `back` visits the rules in reverse order.
     fn mark_firable_rules(&mut self, about: Option<CommandSet>, back: bool) -> CommandSet {
         let (mut found, rules) = (CommandSet::default(), self.rules.pending.len());
         for k in 0..rules {
@@ -187,7 +191,8 @@ impl Schedule {
         found
     }
 
-    /// Marks the commands that a rule starts as live and adds the newly marked ones to `found`.
+    /// Marks the commands that the pending rule with index `at` starts as able to run, and adds the newly marked ones
+    /// to `found`.
     fn mark_started_live(&mut self, at: usize, found: &mut CommandSet) {
         for k in 0..self.rules.pending[at].rule.start.len() {
             let command = self.rules.pending[at].rule.start[k];
@@ -202,7 +207,7 @@ impl Schedule {
         }
     }
 
-    /// True if the condition may become true and all commands to start can get their resources.
+    /// True if the condition of the rule may become true and all commands that it starts can get their resources.
     fn may_fire(&self, rule: &Rule) -> bool {
         let startable = |id: &CommandId| {
             let place = self.commands.find(*id);
@@ -216,7 +221,7 @@ impl Schedule {
         self.may_come_true(rule) && rule.start.iter().all(startable)
     }
 
-    /// True if a scheduled command is in no rule that could start it.
+    /// True if the command in slot `place` is scheduled and no pending rule starts it.
     fn is_orphan(&self, place: usize) -> bool {
         let Some(entry) = self.commands.get(place) else {
             return false;
@@ -231,7 +236,8 @@ impl Schedule {
                 .any(|p| p.rule.start.contains(&id))
     }
 
-    /// Orphans a command that nothing can start any more and releases its resources.
+    /// Releases the resources of the command in slot `place`, which no rule can start any more. The command becomes
+    /// ready again if `keep` or an earlier rule requires this; otherwise it waits to be freed outside the cycle.
     pub(crate) fn orphan(&mut self, place: usize, keep: bool) {
         let command = self.commands.id(place);
         let Some(entry) = self.commands.get_mut(place) else {
@@ -247,7 +253,7 @@ impl Schedule {
         self.notices.push(Notice::Orphaned { command, kept });
     }
 
-    /// Removes a rule from the table and reports its outcome.
+    /// Removes the pending rule with index `at` and reports its outcome.
     pub(crate) fn drop_rule(&mut self, at: usize, outcome: RuleOutcome) {
         self.rules.drop_rule(at, outcome, &mut self.notices);
     }

@@ -9,8 +9,8 @@ use crate::schedule::Schedule;
 use rpi_device::DeviceBank;
 
 impl Schedule {
-    /// Computes, for each `yield` of a command or for its port `terminate`, whether ending now would certainly start a
-    /// successor that takes every moving actuator. Returns true if this holds for any of them.
+    /// Computes, for each `yield` of the command in slot `place` or for its port `terminate`, whether ending now would
+    /// certainly start a successor that takes every moving actuator. Returns true if this holds for any of them.
     pub(crate) fn latch_takeover(&mut self, place: usize, bank: &dyn DeviceBank) -> bool {
         let results = self
             .commands
@@ -53,7 +53,7 @@ impl Schedule {
         })
     }
 
-    /// True if the commands that a rule starts take every moving actuator of a command.
+    /// True if the commands that `rule` starts take every moving actuator of the command in slot `place`.
     fn takes_all_moving(&self, rule: &Rule, place: usize, bank: &dyn DeviceBank) -> bool {
         let takes = |resource: u32| {
             let mut starts = rule.start.iter().filter_map(|id| self.commands.find(*id));

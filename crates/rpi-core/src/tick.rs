@@ -19,18 +19,19 @@ pub trait CycleObserver {
     /// Receives a command after each of its cycles, when all its flows can be read.
     fn cycle_finished(&mut self, id: CommandId, command: &Command);
 
-    /// Receives the next command before its evaluation, and `None` after the last one, to measure computing times.
+    /// Receives the id of each command just before its evaluation, and `None` after the last command, to measure
+    /// computing times.
     fn evaluation_starts(&mut self, _next: Option<CommandId>) {}
 }
 
-/// Observer that does nothing.
+/// Observer that ignores all calls.
 impl CycleObserver for () {
     fn cycle_finished(&mut self, _: CommandId, _: &Command) {}
 }
 
 impl Core {
-    /// Runs one tick: every command that is due runs one cycle. `wall_ns` is the wall-clock time in nanoseconds since
-    /// the Unix epoch.
+    /// Runs one tick: every command that is due runs one cycle, then rules fire. `wall_ns` is the wall-clock time in
+    /// nanoseconds since the Unix epoch; `watch` observes the commands.
     pub fn tick(&mut self, bank: &mut dyn DeviceBank, wall_ns: i64, watch: &mut dyn CycleObserver) {
         let now = self.tick;
         self.latch_inputs(bank, wall_ns);
@@ -48,7 +49,8 @@ impl Core {
         self.tick += 1;
     }
 
-    /// Sets the core's inputs for each command that is due. Requests that arrive later take effect in the next cycle.
+    /// Sets the inputs from the core (times, cancel, takeover, controls) for each command that is due. Requests that
+    /// arrive later take effect in the next cycle.
     fn latch_inputs(&mut self, bank: &mut dyn DeviceBank, wall_ns: i64) {
         for place in 0..self.schedule.commands.len() {
             let entry = self.schedule.commands.get(place);
@@ -91,7 +93,7 @@ impl Core {
         watch.evaluation_starts(None);
     }
 
-    /// Shows the observer each command that has run a cycle in this tick.
+    /// Passes to the observer each command that has run a cycle in this tick.
     fn notify_observer(&self, watch: &mut dyn CycleObserver) {
         for (place, entry) in self.schedule.commands.entries.iter().enumerate() {
             if let Some(entry) = entry.as_ref().filter(|e| is_due(e, self.tick)) {
@@ -100,7 +102,7 @@ impl Core {
         }
     }
 
-    /// Decides what happens after this cycle: first ends of commands, then firing of rules.
+    /// Decides what happens after the cycles of this tick: first commands end, then rules fire.
     fn decide(&mut self, bank: &mut dyn DeviceBank) {
         let now = self.tick;
         let mut stop = false;

@@ -11,25 +11,27 @@ use alloc::collections::BTreeMap;
 use alloc::vec;
 use alloc::vec::Vec;
 
-/// Number of fragments kept as candidates for the place of an overrun. Bounds the search.
+/// Number of fragments that are considered as the place of an overrun. It bounds the search for the heaviest active
+/// one.
 const MAX_CANDIDATES: usize = 16;
-/// Assumed work of a device for a set-point: about one inverse kinematics.
+/// Assumed work of a device for one set-point, in elementary operations (a real addition is 1): about that of one
+/// inverse kinematics.
 const DEVICE_WORK: u64 = 500;
-/// Number of slots that are copied or filled in the time of one elementary operation.
+/// Assumed number of slots that are copied or filled in the time of one elementary operation (a real addition).
 const SLOTS_PER_OPERATION: u64 = 4;
 
 /// Bounds of the work per cycle, in elementary operations (a real addition is 1).
 pub(crate) struct WorkBound {
-    /// Work of all primitives, as if all fragments were active.
+    /// Work of all primitives (basic operations) while all fragments are active.
     pub(crate) primitives: u64,
-    /// Work besides primitives: devices, jumps, copies, resets of fragments.
+    /// Work of everything except primitives: devices, jumps, copies, resets of fragments.
     pub(crate) overhead: u64,
-    /// The fragments with the most work of their own, heaviest first. Nested fragments count separately.
+    /// Indices of the fragments whose own steps have the most work, heaviest first. Nested fragments count separately.
     pub(crate) heaviest: Box<[u32]>,
 }
 
 impl WorkBound {
-    /// Computes the bounds of a verified image.
+    /// Computes the bounds of the work of a verified image.
     pub(crate) fn for_image(image: &Image) -> WorkBound {
         let prims = image.prims_used.iter().map(|used| prim_desc(&used.name));
         let prims: Vec<Option<&PrimDesc>> = prims.collect();
@@ -44,7 +46,7 @@ impl WorkBound {
     }
 }
 
-/// Sum of the work of each fragment's own steps, without nested fragments.
+/// Returns, for each fragment, the sum of the work of its own steps, without nested fragments.
 fn own_work(image: &Image, work: impl Fn(&Step) -> u64) -> Vec<u64> {
     let mut own = vec![0_u64; image.fragments.len()];
     let begins = image.fragments.iter().map(|f| f.active).zip(0_usize..);
@@ -76,7 +78,7 @@ fn heaviest(own: &[u64]) -> Box<[u32]> {
     all.into()
 }
 
-/// Work of a step that calls the same primitive several times.
+/// Returns the work of a step that calls the same primitive several times; 0 for other steps.
 fn row_work(image: &Image, prims: &[Option<&PrimDesc>], step: &Step) -> u64 {
     let Step::Run {
         prim,
@@ -98,7 +100,7 @@ fn row_work(image: &Image, prims: &[Option<&PrimDesc>], step: &Step) -> u64 {
     })
 }
 
-/// Work of one primitive call with these operands.
+/// Returns the work of one call of a primitive with the operands in `words`, laid out as in `fields`.
 fn call_work(desc: &PrimDesc, fields: &[Operand], words: &[u32]) -> u64 {
     let mut words = words;
     let mut factor = 1;
@@ -110,8 +112,8 @@ fn call_work(desc: &PrimDesc, fields: &[Operand], words: &[u32]) -> u64 {
     u64::from(desc.work).saturating_mul(factor)
 }
 
-/// Type and size of an operand. A state counts as one scalar whatever its size, since a primitive only touches its
-/// ends.
+/// Returns type and size of an operand. A state counts as one scalar whatever its size, since a primitive only touches
+/// its ends.
 fn operand_type(field: Operand, words: &[u32]) -> Type {
     match (field.role, field.size_words, words) {
         (OperandRole::State, ..) => Type::Scalar(Scalar::Real),
@@ -121,7 +123,7 @@ fn operand_type(field: Operand, words: &[u32]) -> Type {
     }
 }
 
-/// Work of a step that runs no primitive.
+/// Returns the work of a step that runs no primitive: copy, skip, reset, set-point or device call.
 fn overhead(image: &Image, step: &Step) -> u64 {
     match *step {
         Step::Run { .. } => 0,

@@ -3,13 +3,14 @@
 
 use crate::{Diagnostic, Label, SourceMap, Style};
 
-/// Largest size in bytes of a snippet that is drawn as whole lines.
+/// Maximum size in bytes of a source snippet that is drawn as whole lines. A longer snippet is abbreviated.
 const MAX_SNIPPET_BYTES: usize = 4000;
 
-/// Largest length in bytes of a line that is drawn whole.
+/// Maximum length in bytes of a source line that is drawn whole. A snippet with a longer line is abbreviated.
 const MAX_LINE_BYTES: usize = 400;
 
-/// Largest number of characters shown before, within and after a label.
+/// Maximum number of characters of source text that an abbreviated snippet shows before a label, within it, and after
+/// it.
 const CONTEXT_CHARS: usize = 30;
 
 /// Returns whether a diagnostic must be drawn abbreviated: one of its snippets, with one line of context on each side,
@@ -29,7 +30,8 @@ pub(crate) fn is_needed(diagnostic: &Diagnostic, sources: &SourceMap) -> bool {
     diagnostic.labels.iter().any(too_long)
 }
 
-/// Length in bytes of the rest of the line, counted up to [`MAX_LINE_BYTES`] + 1.
+/// Returns the number of bytes before the next line break, counted up to [`MAX_LINE_BYTES`] + 1. A reversed iterator
+/// counts backwards to the start of the line.
 fn rest_of_line_len<'b>(bytes: impl Iterator<Item = &'b u8>) -> usize {
     bytes
         .take(MAX_LINE_BYTES + 1)
@@ -37,7 +39,8 @@ fn rest_of_line_len<'b>(bytes: impl Iterator<Item = &'b u8>) -> usize {
         .count()
 }
 
-/// Length in bytes of the next line, counted up to [`MAX_LINE_BYTES`] + 1.
+/// Returns the length in bytes of the line after the next line break, counted up to [`MAX_LINE_BYTES`] + 1. A reversed
+/// iterator gives the line before.
 fn next_line_len<'b>(bytes: impl Iterator<Item = &'b u8>) -> usize {
     rest_of_line_len(
         bytes
@@ -47,7 +50,7 @@ fn next_line_len<'b>(bytes: impl Iterator<Item = &'b u8>) -> usize {
     )
 }
 
-/// Length in bytes of the next two lines, counted up to [`MAX_SNIPPET_BYTES`] + 1.
+/// Returns the number of bytes before the second line break, counted up to [`MAX_SNIPPET_BYTES`] + 1.
 fn two_lines_len<'b>(bytes: impl Iterator<Item = &'b u8>) -> usize {
     let mut ends = 0;
     let within = |byte: &&u8| {
@@ -57,7 +60,7 @@ fn two_lines_len<'b>(bytes: impl Iterator<Item = &'b u8>) -> usize {
     bytes.take(MAX_SNIPPET_BYTES + 1).take_while(within).count()
 }
 
-/// Draws the headline and then each label with the text around it. Every line ends with a newline.
+/// Draws the headline of a diagnostic, and for each label the source text around it. Every line ends with a newline.
 pub(crate) fn draw(diagnostic: &Diagnostic, sources: &SourceMap, style: Style) -> String {
     let (severity, code) = (diagnostic.severity().as_str(), diagnostic.code);
     let mut out = format!("{severity} {code}: {}\n", diagnostic.message);
@@ -76,7 +79,7 @@ pub(crate) fn draw(diagnostic: &Diagnostic, sources: &SourceMap, style: Style) -
     out
 }
 
-/// Draws the text around a label, and below it the marks with the text of the label.
+/// Draws the source text around a label in one line, and below it the marks and the text of the label.
 fn window(label: &Label, sources: &SourceMap, style: Style) -> String {
     let text = sources.text(label.span.file);
     let (start, end) = sources.clamp(label.span);
@@ -97,8 +100,8 @@ fn window(label: &Label, sources: &SourceMap, style: Style) -> String {
     format!("    {lead}{here}{after}{tail}\n{}\n", marked.trim_end())
 }
 
-/// Returns the next characters up to the end of the line, and whether the line continues. Control characters are
-/// replaced.
+/// Returns the first [`CONTEXT_CHARS`] characters of a line, and whether the line has more characters. Control
+/// characters are replaced by U+FFFD, tabs by spaces.
 fn visible_part(chars: impl Iterator<Item = char>) -> (String, bool) {
     let mut line = chars.take_while(|c| *c != '\n');
     let shown = line.by_ref().take(CONTEXT_CHARS).map(|c| match c {

@@ -2,9 +2,9 @@
 
 use crate::{Applicability, Diagnostic, Edit, Fix};
 
-/// Returns the sure fixes that can be applied together, in the order of the diagnostics. A fix is applied as a whole or
-/// not at all. A fix whose edits overlap those of an earlier one is skipped; a later run can apply it. A duplicate of
-/// an earlier fix is skipped for the same reason.
+/// Returns the sure fixes of the diagnostics that can be applied together, in the order of the diagnostics. Only the
+/// first fix of a diagnostic is considered, and applied as a whole or not at all. A fix whose edits overlap those of an
+/// earlier fix, or equal them, is skipped; a later run can apply it.
 pub fn sure_fixes(diagnostics: &[Diagnostic]) -> Vec<&Fix> {
     let mut taken: Vec<&Fix> = Vec::new();
     let first = diagnostics
@@ -19,7 +19,8 @@ pub fn sure_fixes(diagnostics: &[Diagnostic]) -> Vec<&Fix> {
     taken
 }
 
-/// Returns the edits of [`sure_fixes`], last location first, so that applying one does not move the others.
+/// Returns the edits of [`sure_fixes`] from the last location to the first, so that applying one edit does not move the
+/// locations of the next.
 pub fn sure_edits(diagnostics: &[Diagnostic]) -> Vec<Edit> {
     let fixes = sure_fixes(diagnostics);
     let mut edits: Vec<Edit> = fixes
@@ -40,8 +41,8 @@ fn sort_last_first(edits: &mut [Edit]) {
     edits.sort_by_key(|edit| std::cmp::Reverse((edit.span.file, edit.span.start, edit.span.end)));
 }
 
-/// Returns the text after the edits, which must not overlap. Inserted text gets the line ending of the text (LF or
-/// CRLF).
+/// Returns `text` with the edits applied. The edits must not overlap. Inserted text gets the line ending of `text` (LF
+/// or CRLF).
 pub fn apply<'a>(text: &str, edits: impl Iterator<Item = &'a Edit>) -> String {
     let mut edits: Vec<Edit> = edits.cloned().collect();
     sort_last_first(&mut edits);

@@ -6,7 +6,8 @@
 
 use std::fmt;
 
-/// Severity of a diagnostic: an error prevents an image, a warning does not.
+/// Severity of a diagnostic. A program with an error is not compiled; warnings and notes do not prevent the
+/// compilation.
 #[derive(Clone, Copy, PartialEq, Eq, Hash, Debug, PartialOrd, Ord)]
 pub enum Severity {
     /// The program is rejected.
@@ -18,7 +19,7 @@ pub enum Severity {
 }
 
 impl Severity {
-    /// Returns `error`, `warning` or `note`.
+    /// Returns the name of the severity in messages: `error`, `warning` or `note`.
     pub const fn as_str(self) -> &'static str {
         match self {
             Severity::Error => "error",
@@ -204,6 +205,7 @@ codes! {
     RPI9102 Warning "not representable in a net";
     RPI9103 Warning "primitive not supported in Lustre";
     RPI9201 Error "insecure server address";
+    RPI9202 Error "compiler process failed";
     RPI9901 Error "internal compiler error";
 }
 
@@ -213,7 +215,7 @@ impl Code {
         self.row().name
     }
 
-    /// Returns the code of this name, ignoring case, or `None` if there is no such code.
+    /// Returns the code with this name, such as `RPI4001`, ignoring case; `None` if there is no such code.
     pub fn parse(name: &str) -> Option<Code> {
         TABLE
             .iter()
@@ -221,12 +223,13 @@ impl Code {
             .map(|row| row.code)
     }
 
-    /// Returns the title: a short description that all diagnostics of this code share.
+    /// Returns the title of the code: a short description that all diagnostics of this code share, such as "dependency
+    /// cycle".
     pub fn title(self) -> &'static str {
         self.row().title
     }
 
-    /// Returns the group of the code, which its first digit gives.
+    /// Returns the group of the code, such as [`CodeGroup::Types`]. The first digit of the code gives the group.
     pub fn group(self) -> CodeGroup {
         match self.as_str().as_bytes().get(3) {
             Some(b'0') => CodeGroup::Syntax,
@@ -242,8 +245,8 @@ impl Code {
         }
     }
 
-    /// Returns whether the code is about the value of a size or a constant. Such a diagnostic may be wrong if the
-    /// compiler assumed a value for a parameter that has none.
+    /// Returns true if the code is about the value of a size or a constant. The compiler assumes a value for a
+    /// parameter whose value it does not know, so such a diagnostic may be wrong.
     pub fn may_depend_on_values(self) -> bool {
         matches!(
             self,
@@ -257,7 +260,7 @@ impl Code {
         matches!(self, Code::RPI0017 | Code::RPI1012)
     }
 
-    /// Returns whether the code is about unused or unreachable text, which editors show faded.
+    /// Returns true if the code is about unused or unreachable text, which editors show faded.
     pub fn is_unnecessary(self) -> bool {
         matches!(
             self,
@@ -270,7 +273,7 @@ impl Code {
         )
     }
 
-    /// Returns whether the code is about a body or bracket whose end is missing.
+    /// Returns true if the code is about a missing end of a body or a bracket.
     pub fn is_unclosed(self) -> bool {
         self == Code::RPI0004
     }

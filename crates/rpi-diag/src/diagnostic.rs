@@ -5,40 +5,43 @@ use crate::{Code, FileId, Severity, Span};
 /// Error, warning or note about a program.
 #[derive(Clone, PartialEq, Eq, Debug)]
 pub struct Diagnostic {
-    /// Code; it determines the severity, the title and the explanation page.
+    /// Code of the diagnostic. It determines the severity, the title and the explanation page.
     pub code: Code,
     /// Description of the problem for the author of the program: lower case, no full stop.
     pub message: String,
-    /// Labelled locations; the primary ones are where the error is.
+    /// Labelled locations in the source text. The primary ones mark the error itself.
     pub labels: Vec<Label>,
-    /// Suggestions for the author of the program.
+    /// Suggestions for the author of the program, one text for each.
     pub help: Vec<String>,
-    /// Background information.
+    /// Background information for the author of the program, such as the reason why a type is expected; one text for
+    /// each.
     pub notes: Vec<String>,
-    /// Possible fixes, the best first.
+    /// Possible fixes, the most probable one first; empty if none is known.
     pub fixes: Vec<Fix>,
-    /// Subject of the diagnostic (an undefined name, a construct), if one diagnostic for all its uses is enough. Not
-    /// part of the output.
+    /// Undefined name or unsupported construct of which one diagnostic is enough, although the program uses it in
+    /// several places; `None` for other diagnostics. It is not part of the output.
     pub subject: Option<Subject>,
 }
 
-/// Subject shared by several diagnostics of a program, of which only the first is reported.
+/// Undefined name or unsupported construct that several diagnostics of a program are about. Only the first of them is
+/// reported.
 #[derive(Clone, PartialEq, Eq, PartialOrd, Ord, Debug)]
 pub enum Subject {
-    /// Global name of a kind without a declaration, such as `type Celsius`. The diagnostic shows some of its uses.
+    /// Undefined global name with the kind of declaration that is missing, such as `type Celsius`. The diagnostic also
+    /// shows some of its other uses.
     UndefinedName(String),
-    /// Construct that is not supported.
+    /// Construct that the compiler does not support, by its name in messages.
     Construct(String),
 }
 
-/// Source location with a text.
+/// Location in a source text with a text that explains it.
 #[derive(Clone, PartialEq, Eq, Debug)]
 pub struct Label {
-    /// Labelled range.
+    /// Range of the source text that the label marks.
     pub span: Span,
-    /// Role of the location; may be empty.
+    /// Role of the location in the error, such as "defined here"; may be empty.
     pub text: String,
-    /// Whether this is the location of the error itself.
+    /// True if the label marks the error itself, false if it marks a related location.
     pub primary: bool,
 }
 
@@ -47,18 +50,18 @@ pub struct Label {
 pub struct Fix {
     /// Description of the change in the imperative: "insert `pre`".
     pub title: String,
-    /// Edits; they do not overlap.
+    /// Edits of the source text, which do not overlap.
     pub edits: Vec<Edit>,
-    /// Whether a tool may apply the fix without asking.
+    /// Whether a tool may apply the fix without asking the author.
     pub applicability: Applicability,
 }
 
 /// Replacement of a range of source text.
 #[derive(Clone, PartialEq, Eq, Debug)]
 pub struct Edit {
-    /// Replaced range; empty for an insertion.
+    /// Range of the source text that is replaced; empty for an insertion.
     pub span: Span,
-    /// New text; empty for a deletion.
+    /// Text that replaces the range; empty for a deletion.
     pub text: String,
 }
 
@@ -70,7 +73,8 @@ impl Edit {
         self.text.is_empty() && start < end && is_start(start) && is_start(end)
     }
 
-    /// Extends a deletion to whole lines if it would otherwise leave blank lines.
+    /// Extends a deletion to the whole lines of `text` that contain it, if the deletion would otherwise leave only
+    /// blanks in them. Other edits are unchanged.
     pub fn extend_to_whole_lines(&mut self, text: &str) {
         let (start, end) = (self.span.start as usize, self.span.end as usize);
         let (Some(before), Some(after)) = (text.get(..start), text.get(end..)) else {
@@ -92,14 +96,14 @@ impl Edit {
 /// Confidence in a fix: tools apply sure fixes without a question, and offer the others.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub enum Applicability {
-    /// Certainly what the author meant; a tool may apply it without asking.
+    /// The fix is certainly what the author meant; a tool may apply it without asking.
     Sure,
-    /// One of several possibilities; the author decides.
+    /// The fix is one of several possibilities, of which the author chooses.
     Maybe,
 }
 
 impl Diagnostic {
-    /// Creates a diagnostic without locations; add them with [`Diagnostic::primary`].
+    /// Creates a diagnostic without locations, help and fixes. [`Diagnostic::primary`] adds a location.
     pub fn new(code: Code, message: impl Into<String>) -> Diagnostic {
         Diagnostic {
             code,
@@ -112,20 +116,21 @@ impl Diagnostic {
         }
     }
 
-    /// Marks the diagnostic as one about a subject. Of several about one subject only the first is reported
-    /// ([`merge_by_subject`](crate::suppression::merge_by_subject)).
+    /// Sets the subject of the diagnostic: an undefined name or an unsupported construct. Of several diagnostics about
+    /// one subject only the first is reported ([`merge_by_subject`](crate::suppression::merge_by_subject)).
     #[must_use]
     pub fn about(mut self, subject: Subject) -> Diagnostic {
         self.subject = Some(subject);
         self
     }
 
-    /// Keeps only the fixes for which `is_right` returns true; it may adapt them.
+    /// Removes the fixes for which `is_right` returns false. `is_right` may also change a fix.
     pub fn keep_fixes(&mut self, is_right: impl FnMut(&mut Fix) -> bool) {
         self.fixes.retain_mut(is_right);
     }
 
-    /// Creates an internal compiler error (RPI9901) at the source location being compiled.
+    /// Creates a diagnostic for an internal error of the compiler (RPI9901). `place` is the source text that is being
+    /// compiled.
     #[must_use]
     pub fn internal_error(message: impl Into<String>, place: Span) -> Diagnostic {
         Diagnostic::new(Code::RPI9901, message)
@@ -134,20 +139,25 @@ impl Diagnostic {
             .help("until it is fixed, try to write the expression in another way")
     }
 
-    /// Adds a primary label: a location of the error.
+    /// Adds a primary label: it marks `span` as a location of the error itself, with an explaining text.
     #[must_use]
     pub fn primary(self, span: Span, text: impl Into<String>) -> Diagnostic {
         self.label(span, text, true)
     }
 
-    /// Adds a secondary label: a location related to the error.
+    /// Adds a secondary label: it marks `span` as a location related to the error, with an explaining text.
     #[must_use]
     pub fn secondary(self, span: Span, text: impl Into<String>) -> Diagnostic {
         self.label(span, text, false)
     }
 
-    /// Returns the diagnostic with a new primary location: that of an earlier text from which this error follows. The
-    /// previous primary labels become secondary. The fixes are removed because they would edit the wrong location.
+    /// Adds a secondary label to a diagnostic that has already been reported.
+    pub fn add_secondary(&mut self, span: Span, text: impl Into<String>) {
+        self.add_label(span, text, false);
+    }
+
+    /// Returns the diagnostic with `span` as its primary location: an earlier text that causes the error. The previous
+    /// primary labels become secondary. The fixes are removed because they would edit the wrong location.
     #[must_use]
     pub fn with_cause(mut self, span: Span, text: impl Into<String>) -> Diagnostic {
         for label in &mut self.labels {
@@ -160,28 +170,29 @@ impl Diagnostic {
         diagnostic
     }
 
-    /// Adds a suggestion for the author.
+    /// Adds a suggestion for the author of the program.
     #[must_use]
     pub fn help(mut self, text: impl Into<String>) -> Diagnostic {
         self.help.push(text.into());
         self
     }
 
-    /// Adds background information.
+    /// Adds background information for the author of the program.
     #[must_use]
     pub fn note(mut self, text: impl Into<String>) -> Diagnostic {
         self.notes.push(text.into());
         self
     }
 
-    /// Adds a fix.
+    /// Adds a possible fix after the fixes that the diagnostic has.
     #[must_use]
     pub fn fix(mut self, fix: Fix) -> Diagnostic {
         self.fixes.push(fix);
         self
     }
 
-    /// Adds a "did you mean" suggestion and its fix, if there is a similar name.
+    /// Adds the suggestion "did you mean `near`?" and a fix that writes `near` at `span`. Does nothing if `near`, the
+    /// most similar known name, is `None`.
     #[must_use]
     pub fn did_you_mean(self, span: Span, near: Option<impl Into<String>>) -> Diagnostic {
         match near.map(Into::into) {
@@ -192,7 +203,7 @@ impl Diagnostic {
         }
     }
 
-    /// Returns the severity, which the table of codes defines.
+    /// Returns the severity of the diagnostic, which its code determines.
     pub fn severity(&self) -> Severity {
         self.code.severity()
     }
@@ -205,7 +216,7 @@ impl Diagnostic {
             .map_or(Span::NONE, |label| label.span)
     }
 
-    /// Replaces the file numbers: `files[old]` is the new number of file `old`.
+    /// Replaces the file identifiers in all locations: `files[old]` is the new identifier of file number `old`.
     #[must_use]
     pub fn renumbered(mut self, files: &[FileId]) -> Diagnostic {
         let renumber = |span: &mut Span| {
@@ -222,17 +233,22 @@ impl Diagnostic {
     }
 
     fn label(mut self, span: Span, text: impl Into<String>, primary: bool) -> Diagnostic {
+        self.add_label(span, text, primary);
+        self
+    }
+
+    fn add_label(&mut self, span: Span, text: impl Into<String>, primary: bool) {
         self.labels.push(Label {
             span,
             text: text.into(),
             primary,
         });
-        self
     }
 }
 
 impl Fix {
-    /// Returns the fix with [`Applicability::Maybe`].
+    /// Returns the fix as one of several possibilities ([`Applicability::Maybe`]), which no tool applies without
+    /// asking.
     #[must_use]
     pub fn into_maybe(self) -> Fix {
         Fix {
@@ -241,17 +257,17 @@ impl Fix {
         }
     }
 
-    /// Creates a fix that is certainly what the author meant.
+    /// Creates a fix without edits that is certainly what the author meant ([`Applicability::Sure`]).
     pub fn sure(title: impl Into<String>) -> Fix {
         Fix::new(title, Applicability::Sure)
     }
 
-    /// Creates a fix that is one of several possibilities.
+    /// Creates a fix without edits that is one of several possibilities ([`Applicability::Maybe`]).
     pub fn maybe(title: impl Into<String>) -> Fix {
         Fix::new(title, Applicability::Maybe)
     }
 
-    /// Returns the edits in source order, without those of [`Span::NONE`].
+    /// Returns the edits in the order of their locations, without edits at [`Span::NONE`].
     pub(crate) fn in_order(&self) -> Vec<&Edit> {
         let mut edits: Vec<&Edit> = self.edits.iter().collect();
         edits.retain(|edit| !edit.span.is_none());
@@ -259,7 +275,7 @@ impl Fix {
         edits
     }
 
-    /// Adds an edit that replaces the text of `span`.
+    /// Adds an edit that replaces the source text of `span` by `text`.
     #[must_use]
     pub fn replace(mut self, span: Span, text: impl Into<String>) -> Fix {
         self.edits.push(Edit {
@@ -269,7 +285,7 @@ impl Fix {
         self
     }
 
-    /// Adds an edit that inserts `text` before `span`.
+    /// Adds an edit that inserts `text` into the source text before `span`.
     #[must_use]
     pub fn insert_before(self, span: Span, text: impl Into<String>) -> Fix {
         self.replace(
@@ -281,7 +297,7 @@ impl Fix {
         )
     }
 
-    /// Adds an edit that inserts `text` after `span`.
+    /// Adds an edit that inserts `text` into the source text after `span`.
     #[must_use]
     pub fn insert_after(self, span: Span, text: impl Into<String>) -> Fix {
         self.replace(

@@ -2,7 +2,7 @@
 
 use crate::{Diagnostic, Edit, Fix, SourceMap, Span, Style};
 
-/// Draws the help, the notes and the fixes of a diagnostic, which stand below its snippets. Every line ends with a
+/// Draws the help, the notes and the fixes of a diagnostic, which follow its source snippets. Every line ends with a
 /// newline; the result is empty if there is nothing to draw.
 pub(crate) fn draw(diagnostic: &Diagnostic, sources: &SourceMap, style: Style) -> String {
     let mut out = String::new();
@@ -19,7 +19,8 @@ pub(crate) fn draw(diagnostic: &Diagnostic, sources: &SourceMap, style: Style) -
     out
 }
 
-/// Formats a text as `  head: text`, wrapped, with further lines aligned to the text. Line breaks in the text are kept.
+/// Formats a text as `  head: text`, wrapped to the width of the style. Further lines are aligned to the text, and line
+/// breaks in the text are preserved.
 fn paragraph(head: &str, text: &str, style: Style) -> String {
     let indent = head.len() + 4;
     let lines = text
@@ -36,7 +37,7 @@ fn paragraph(head: &str, text: &str, style: Style) -> String {
 }
 
 /// Breaks a line at spaces into parts of at most `width` characters, unless a single word is longer. A line with
-/// leading spaces (a drawing, a table) is kept as it is.
+/// leading spaces (a drawing, a table) is returned unchanged.
 fn wrap(line: &str, width: usize) -> Vec<String> {
     if line.starts_with(' ') {
         return vec![line.to_owned()];
@@ -57,7 +58,8 @@ fn wrap(line: &str, width: usize) -> Vec<String> {
     lines
 }
 
-/// Draws the lines changed by a fix as they will be; lines that lose text are also shown as they were.
+/// Draws the source lines that a fix changes: lines after the change with `+`, and before them the old lines with `-`
+/// if text is deleted or replaced.
 fn preview(fix: &Fix, sources: &SourceMap, style: Style) -> String {
     let edits = fix.in_order();
     let mut out = String::new();
@@ -75,14 +77,14 @@ fn preview(fix: &Fix, sources: &SourceMap, style: Style) -> String {
     out
 }
 
-/// Length in bytes beyond which a changed region is not previewed.
+/// Maximum length in bytes of the source lines around an edit that are previewed. Longer lines get no preview.
 const MAX_PREVIEW_BYTES: u32 = 400;
 
-/// Whole source lines around an edit of a fix, which its preview shows.
+/// Whole source lines around an edit, which the preview of a fix shows.
 struct Region {
     span: Span,
     first_line: u32,
-    /// Whether the edit deletes all of the lines, so that the preview shows them as removed.
+    /// True if the edit deletes all of the lines, so that the preview shows them only as removed.
     is_deleted: bool,
 }
 

@@ -8,19 +8,19 @@ use crate::{Diagnostic, SourceMap, Style, github, json, render, sarif};
 /// Format in which diagnostics are printed: text for people, or a format for tools.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub enum Format {
-    /// Text with source snippets, for people.
+    /// Text with source snippets for people, drawn for a terminal.
     Human,
-    /// One line per diagnostic: `file:line:col: severity CODE: message`.
+    /// One line for each diagnostic: `file:line:col: severity CODE: message`.
     Short,
-    /// One JSON object with all details.
+    /// One JSON object for all diagnostics with all their details.
     Json,
-    /// SARIF 2.1.0, read by code scanners.
+    /// SARIF 2.1.0, the format of code scanners.
     Sarif,
-    /// Workflow commands of GitHub Actions.
+    /// Workflow commands of GitHub Actions, which annotate the lines of a change.
     Github,
 }
 
-/// Formats by name, in the order of the help texts.
+/// Formats with the names that select them on the command line, in the order of the help texts.
 const NAMES: [(&str, Format); 5] = [
     ("human", Format::Human),
     ("short", Format::Short),
@@ -30,13 +30,13 @@ const NAMES: [(&str, Format); 5] = [
 ];
 
 impl Format {
-    /// Returns the names that [`Format::from_str`] accepts.
+    /// Returns the names of all formats, as [`Format::from_str`] accepts them.
     pub fn names() -> impl Iterator<Item = &'static str> {
         NAMES.iter().map(|(name, _)| *name)
     }
 }
 
-/// Unknown name of an output format.
+/// Error: there is no output format of the requested name. The text lists the known names.
 #[derive(Clone, PartialEq, Eq, Debug)]
 pub struct FormatError(String);
 
@@ -63,7 +63,7 @@ impl FromStr for Format {
     }
 }
 
-/// Renders diagnostics in the given format; `style` applies to [`Format::Human`] only.
+/// Renders diagnostics in the given format. `style` (colours, width) applies to [`Format::Human`] only.
 pub fn render_as(
     format: Format,
     diagnostics: &[Diagnostic],

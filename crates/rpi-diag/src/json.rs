@@ -21,7 +21,8 @@ pub(crate) fn render(diagnostics: &[Diagnostic], sources: &SourceMap) -> String 
     })
 }
 
-/// Serialises a value as indented JSON. The types of this crate only contain strings and numbers, so this cannot fail.
+/// Serialises a value as indented JSON with a final newline. Serialisation cannot fail, because the types of this crate
+/// contain only strings and numbers.
 pub(crate) fn pretty(value: &impl Serialize) -> String {
     serde_json::to_string_pretty(value).unwrap_or_default() + "\n"
 }
@@ -70,7 +71,7 @@ struct JsonEdit<'a> {
     text: &'a str,
 }
 
-/// Range in a file; `file` is null for a location without text.
+/// Range of source text; `file` is null if the diagnostic has no source text.
 #[derive(Serialize)]
 struct JsonRange<'a> {
     file: Option<&'a str>,
@@ -78,7 +79,8 @@ struct JsonRange<'a> {
     end: JsonPosition,
 }
 
-/// Position: `offset` counts bytes from 0, `line` and `col` count from 1, `col` in Unicode scalar values.
+/// Position in a source file: `offset` counts bytes from 0; `line` and `col` count from 1, `col` in Unicode scalar
+/// values.
 #[derive(Serialize)]
 struct JsonPosition {
     offset: usize,
@@ -116,7 +118,7 @@ fn json_label<'a>(label: &'a Label, sources: &'a SourceMap) -> JsonLabel<'a> {
     }
 }
 
-/// Returns `sure` or `maybe`.
+/// Returns the JSON name of the applicability of a fix: `sure` or `maybe`.
 pub(crate) fn applicability(applicability: Applicability) -> &'static str {
     match applicability {
         Applicability::Sure => "sure",

@@ -5,19 +5,20 @@
 
 use std::ops::Range;
 
-/// Label of a diagnostic, prepared for drawing: its range of text and its words.
+/// Label of a diagnostic, prepared for drawing: the marked range and the text of the label.
 #[derive(Clone, PartialEq, Debug)]
 pub(crate) struct Mark {
-    /// Marked range of text, in the addresses that the source code adapter gives to all files of a diagnostic together.
+    /// Marked range, as addresses in the joined text of all files of the diagnostic
+    /// ([`DiagnosticSources`](crate::source_code::DiagnosticSources)).
     pub(crate) range: Range<usize>,
     /// Text of the label; may be empty.
     pub(crate) text: String,
-    /// Whether the label marks the location of the error itself.
+    /// True if the label marks the error itself, false if it marks a related location.
     pub(crate) primary: bool,
 }
 
-/// Merges labels of equal ranges and shrinks outer labels so that labels do not overlap, where that is possible. `text`
-/// returns the text of a range.
+/// Merges labels of equal ranges, and shrinks outer labels so that labels do not overlap where that is possible. `text`
+/// returns the source text of a range.
 pub(crate) fn separate_labels<'t>(
     marks: Vec<Mark>,
     text: impl Fn(Range<usize>) -> &'t str,
@@ -38,14 +39,15 @@ pub(crate) fn separate_labels<'t>(
     marks
 }
 
-/// Returns whether another mark lies in the last line of a mark of several lines, where the text of that mark is drawn.
+/// Returns whether another label marks a range in the last line of a label of several lines, where the text of that
+/// label is drawn. `range` and `text` are those of the label, `ranges` those of all labels.
 fn shares_last_line(range: &Range<usize>, text: &str, ranges: &[Range<usize>]) -> bool {
     let last = range.start + text.rfind('\n').map_or(0, |at| at + 1);
     let mut others = ranges.iter().filter(|other| *other != range);
     others.any(|other| last < other.end && other.start < range.end && last <= other.start)
 }
 
-/// Merges labels of the same range into one.
+/// Merges labels of the same range into one label, whose text joins their texts with `; `.
 fn merge_equal_ranges(marks: Vec<Mark>) -> Vec<Mark> {
     let mut all: Vec<Mark> = Vec::with_capacity(marks.len());
     for mark in marks {
@@ -62,12 +64,13 @@ fn merge_equal_ranges(marks: Vec<Mark>) -> Vec<Mark> {
     all
 }
 
-/// Returns whether a label already contains a text.
+/// Returns whether the text of a merged label (texts joined with `; `) already contains `text`.
 fn contains_text(label: &str, text: &str) -> bool {
     label.split("; ").any(|output| output == text) || label == text
 }
 
-/// Returns the longest non-blank part of a range that no range inside it covers, or the whole range if there is none.
+/// Returns the longest non-blank part of `whole` that none of the `ranges` within it covers, or `whole` if there is no
+/// such part.
 fn longest_uncovered_part<'t>(
     whole: &Range<usize>,
     ranges: &[Range<usize>],

@@ -4,7 +4,7 @@ use crate::footer;
 use crate::{Diagnostic, Severity, SourceMap, Style, abbreviate, snippet};
 use rpi_words::with_noun;
 
-/// Largest number of diagnostics that are rendered; the summary counts the others.
+/// Maximum number of diagnostics that are rendered. A line of the output counts the others.
 const MAX_RENDERED: usize = 100;
 
 /// Renders diagnostics in the given order, followed by a summary of their number.
@@ -31,7 +31,8 @@ pub fn render(diagnostics: &[Diagnostic], sources: &SourceMap, style: Style) -> 
     out
 }
 
-/// Returns `2 errors, 1 warning; ...` and how to get an explanation; empty if there are no diagnostics.
+/// Returns the last line of the output: the numbers of errors, warnings and notes, and how to get an explanation of
+/// their codes. The line is empty if there are no diagnostics.
 fn summary(diagnostics: &[Diagnostic]) -> String {
     let Some(first) = diagnostics.first() else {
         return String::new();

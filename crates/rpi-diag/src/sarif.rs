@@ -5,7 +5,7 @@ use serde::Serialize;
 
 use crate::{Code, Diagnostic, Edit, Fix, Label, Severity, SourceMap, Span, json};
 
-/// Renders diagnostics as a SARIF log of one run of the tool.
+/// Renders diagnostics as a SARIF 2.1.0 log of one run of the compiler.
 pub(crate) fn render(diagnostics: &[Diagnostic], sources: &SourceMap) -> String {
     let mut codes: Vec<Code> = diagnostics
         .iter()
@@ -129,8 +129,8 @@ struct Artifact {
 }
 
 impl Artifact {
-    /// Creates the URI reference of a file (RFC 3986): percent-escaped, with slashes; absolute paths get the `file`
-    /// scheme.
+    /// Returns the location of a file as a URI reference (RFC 3986): percent-escaped, with slashes. An absolute path
+    /// gets the scheme `file`.
     fn from_name(name: &str) -> Artifact {
         let path = name.replace('\\', "/");
         let is_drive = path.as_bytes().get(1) == Some(&b':');
@@ -171,7 +171,7 @@ struct SarifFix<'a> {
     properties: FixProperties,
 }
 
-/// SARIF property bag for the applicability of a fix, which SARIF itself cannot represent.
+/// Additional properties of a fix (a SARIF property bag): its applicability, for which SARIF has no field.
 #[derive(Serialize)]
 struct FixProperties {
     applicability: &'static str,
@@ -191,7 +191,7 @@ struct Replacement<'a> {
     inserted_content: Text<'a>,
 }
 
-/// Returns the SARIF level. SARIF uses the same names as [`Severity::as_str`].
+/// Returns the SARIF level of a severity. SARIF uses the same names as [`Severity::as_str`].
 fn level(severity: Severity) -> &'static str {
     severity.as_str()
 }
@@ -262,7 +262,7 @@ fn locations<'a>(
         .collect()
 }
 
-/// Converts a fix, with its replacements grouped by file. Returns `None` for a fix without a source location.
+/// Converts a fix to SARIF, with its edits grouped by file. Returns `None` for a fix without a source location.
 fn sarif_fix<'a>(fix: &'a Fix, sources: &'a SourceMap) -> Option<SarifFix<'a>> {
     let edits = fix.in_order();
     let files = edits.chunk_by(|a, b| a.span.file == b.span.file);

@@ -8,7 +8,7 @@ use crate::overlap::{Mark, separate_labels};
 use crate::source_code::DiagnosticSources;
 use crate::{Diagnostic, Severity, SourceMap, Style};
 
-/// Draws the headline and the snippets of a diagnostic. Every line ends with a newline.
+/// Draws the headline and the source snippets of a diagnostic. Every line ends with a newline.
 pub(crate) fn draw(diagnostic: &Diagnostic, sources: &SourceMap, style: Style) -> String {
     let shown = MietteDiagnostic {
         diagnostic,
@@ -36,7 +36,7 @@ fn tidy(drawn: &str) -> String {
         .collect()
 }
 
-/// Returns miette's theme with the headline and the colours of this crate.
+/// Returns the drawing theme of the library miette, with the headline and the colours of this crate.
 fn theme(shown: &MietteDiagnostic<'_>, style: Style) -> GraphicalTheme {
     let mut theme = match (style.color, style.unicode) {
         (true, true) => GraphicalTheme::unicode(),
@@ -58,7 +58,8 @@ fn theme(shown: &MietteDiagnostic<'_>, style: Style) -> GraphicalTheme {
     theme
 }
 
-/// Sets the colours: primary labels get that of the severity, secondary labels that of help texts.
+/// Sets the colours of the labels: primary labels get the colour of the severity, secondary labels the colour of help
+/// texts.
 fn paint(theme: &mut GraphicalTheme, shown: &MietteDiagnostic<'_>) {
     let styles = &mut theme.styles;
     let fault = match shown.diagnostic.severity() {
@@ -76,7 +77,7 @@ fn paint(theme: &mut GraphicalTheme, shown: &MietteDiagnostic<'_>) {
     styles.highlights = colors.collect();
 }
 
-/// Adapter of a diagnostic to the trait of miette.
+/// Adapter that presents a diagnostic to the drawing library miette.
 struct MietteDiagnostic<'a> {
     diagnostic: &'a Diagnostic,
     texts: DiagnosticSources<'a>,

@@ -8,15 +8,17 @@ use miette::{MietteError, MietteSpanContents, SourceCode, SourceSpan, SpanConten
 
 use crate::{Diagnostic, FileId, SourceMap, Span};
 
-/// Number of lines between two labels up to which they are drawn in one snippet.
+/// Maximum number of lines between two labels that are drawn in one snippet. Labels farther apart get separate
+/// snippets.
 const MAX_LINE_GAP: usize = 2;
 
-/// Source texts of one diagnostic, joined to a single address space for miette.
+/// Source texts of one diagnostic, joined to a single text with common byte addresses, as the drawing library miette
+/// requires.
 pub(crate) struct DiagnosticSources<'a> {
     sources: &'a SourceMap,
-    /// Each file with the address of its first byte in the joined text.
+    /// Files of the diagnostic, each with the address of its first byte in the joined text.
     files: Vec<(FileId, usize)>,
-    /// Location of the error.
+    /// Location of the error, for which miette prints the line and column.
     error_span: Span,
 }
 
@@ -42,8 +44,9 @@ impl<'a> DiagnosticSources<'a> {
         }
     }
 
-    /// Returns the address and length of a range, or `None` for a location without text. The end of the file is mapped
-    /// to the position after its last visible character, because miette draws no line for trailing blank text.
+    /// Returns the address in the joined text and the length of a range in bytes, or `None` for a range without source
+    /// text. A start at the end of the file is mapped to the position after its last visible character, because miette
+    /// draws no line for trailing blank text.
     pub(crate) fn address_range(&self, span: Span) -> Option<(usize, usize)> {
         let &(_, base) = self.files.iter().find(|&&(file, _)| file == span.file)?;
         let (start, end) = self.sources.clamp(span);
@@ -56,7 +59,7 @@ impl<'a> DiagnosticSources<'a> {
         Some((base + start, end - start.min(end)))
     }
 
-    /// Returns the text of a range of addresses.
+    /// Returns the source text of a range of addresses in the joined text; empty if the range is not within one file.
     pub(crate) fn text(&self, range: std::ops::Range<usize>) -> &'a str {
         let place = self.find(range.start).and_then(|(file, base)| {
             let text = self.sources.text(file);
@@ -113,7 +116,7 @@ fn line_start(text: &str, at: usize) -> usize {
     text[..at].rfind('\n').map_or(0, |newline| newline + 1)
 }
 
-/// Returns the offset after the end of the line, including its line break.
+/// Returns the offset after the end of the line that contains `at`, including its line break.
 fn line_end(text: &str, at: usize) -> usize {
     text.as_bytes()[at..]
         .iter()
@@ -121,7 +124,7 @@ fn line_end(text: &str, at: usize) -> usize {
         .map_or(text.len(), |newline| at + newline + 1)
 }
 
-/// Returns the start of the line before the one that starts at `start`, or `start` if that line is blank.
+/// Returns the start of the line before the line that starts at `start`, or `start` if that previous line is blank.
 fn previous_line(text: &str, start: usize) -> usize {
     let previous = line_start(text, start.saturating_sub(1));
     if text[previous..start].trim().is_empty() {
@@ -131,7 +134,7 @@ fn previous_line(text: &str, start: usize) -> usize {
     }
 }
 
-/// Returns the end of the line after the one that ends at `end`, or `end` if that line is blank.
+/// Returns the end of the line after the line that ends at `end`, or `end` if that next line is blank.
 fn next_line_end(text: &str, end: usize) -> usize {
     let next = line_end(text, end);
     if text[end..next].trim().is_empty() {

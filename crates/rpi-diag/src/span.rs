@@ -2,11 +2,11 @@
 
 use std::fmt;
 
-/// Identifier of a source text in a [`SourceMap`].
+/// Identifier of a source text: its index in a [`SourceMap`].
 #[derive(Clone, Copy, PartialEq, Eq, Hash, Debug, PartialOrd, Ord)]
 pub struct FileId(pub u32);
 
-/// Range of bytes `start..end` in one file.
+/// Range of bytes `start..end` in one source file.
 #[derive(Clone, Copy, PartialEq, Eq, Hash, Debug, PartialOrd, Ord)]
 pub struct Span {
     /// File that contains the range.
@@ -18,7 +18,7 @@ pub struct Span {
 }
 
 impl Span {
-    /// Location of an item without source text, such as a generated net or a built-in declaration.
+    /// Location of an item without source text, such as a built-in declaration or a generated net.
     pub const NONE: Span = Span {
         file: FileId(u32::MAX),
         start: 0,
@@ -30,8 +30,8 @@ impl Span {
         Span { file, start, end }
     }
 
-    /// Returns the smallest range that contains both. [`Span::NONE`] is the neutral element. If the files differ,
-    /// `self` is returned, because a range cannot span files.
+    /// Returns the smallest range that contains both ranges. If one of them is [`Span::NONE`], the other is returned;
+    /// if the files differ, `self`, because a range cannot span files.
     #[must_use]
     pub fn merge(self, other: Span) -> Span {
         match (self.is_none(), other.is_none()) {
@@ -46,7 +46,7 @@ impl Span {
         }
     }
 
-    /// Returns whether `other` lies within this range.
+    /// Returns whether the range `other` lies within this range of the same file.
     #[must_use]
     pub fn contains(self, other: Span) -> bool {
         self.file == other.file && self.start <= other.start && other.end <= self.end
@@ -63,12 +63,12 @@ impl Span {
     }
 }
 
-/// Line and column, both counted from 1; the column counts Unicode scalar values.
+/// Position in a source file as line and column.
 #[derive(Clone, Copy, PartialEq, Eq, Debug, PartialOrd, Ord)]
 pub struct LineCol {
     /// Line in the source file, counted from 1.
     pub line: u32,
-    /// Column, from 1, in Unicode scalar values.
+    /// Column in the line, counted from 1 in Unicode scalar values.
     pub col: u32,
 }
 
@@ -78,7 +78,7 @@ impl fmt::Display for LineCol {
     }
 }
 
-/// Source texts of one run, with their names.
+/// Source texts of one compilation, with their names.
 #[derive(Clone, Debug, Default)]
 pub struct SourceMap {
     files: Vec<SourceFile>,
@@ -88,17 +88,17 @@ pub struct SourceMap {
 struct SourceFile {
     name: String,
     text: String,
-    /// Byte offsets of the line starts; the first is 0.
+    /// Offsets in bytes of the starts of all lines; the first is 0.
     line_starts: Vec<usize>,
 }
 
 impl SourceMap {
-    /// Creates an empty map.
+    /// Creates a map without source texts.
     pub fn new() -> SourceMap {
         SourceMap::default()
     }
 
-    /// Adds a text under the name that messages show, and returns its identifier.
+    /// Adds a source text with the name that messages show for it, and returns its identifier.
     pub fn add(&mut self, name: impl Into<String>, text: impl Into<String>) -> FileId {
         let text = text.into();
         let line_starts = line_starts(&text);
@@ -132,12 +132,13 @@ impl SourceMap {
         self.file(id).map_or("", |f| &f.text)
     }
 
-    /// Returns all files in the order in which they were added.
+    /// Returns the identifiers of all files in the order in which they were added.
     pub fn files(&self) -> impl Iterator<Item = FileId> + '_ {
         (0..self.files.len()).map(|i| FileId(i as u32))
     }
 
-    /// Returns the text of a range, clamped to the file and to character boundaries.
+    /// Returns the source text of a range, clamped to the file and to character boundaries; empty if the file is not in
+    /// the map.
     pub fn slice(&self, span: Span) -> &str {
         let (start, end) = self.clamp(span);
         &self.text(span.file)[start..end]
@@ -148,12 +149,13 @@ impl SourceMap {
         self.line_col_at(span.file, self.clamp(span).0)
     }
 
-    /// Returns the line and column just after the last character of a range.
+    /// Returns the line and column just after the last character of a range; `1:1` if the file is not in the map.
     pub fn line_col_end(&self, span: Span) -> LineCol {
         self.line_col_at(span.file, self.clamp(span).1)
     }
 
-    /// Clamps a range to the text and to character boundaries. Returns the byte offsets of start and end.
+    /// Clamps a range to the text of its file and to character boundaries. Returns the offsets of start and end in
+    /// bytes.
     pub(crate) fn clamp(&self, span: Span) -> (usize, usize) {
         let text = self.text(span.file);
         let start = floor_char(text, span.start as usize);
@@ -184,7 +186,7 @@ fn line_starts(text: &str) -> Vec<usize> {
         .collect()
 }
 
-/// Returns the largest character boundary of `text` that is at most `offset`.
+/// Returns the largest offset of a character boundary of `text` that is at most `offset`, in bytes.
 fn floor_char(text: &str, offset: usize) -> usize {
     let offset = offset.min(text.len());
     (0..=offset)

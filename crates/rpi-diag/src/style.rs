@@ -4,27 +4,27 @@ use std::io::IsTerminal;
 
 use terminal_size::{Width, terminal_size};
 
-/// Capabilities of the output terminal.
+/// Capabilities of the terminal or file to which diagnostics are printed.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub struct Style {
-    /// Whether to use colours (ANSI escape sequences).
+    /// True if the output may contain colours (ANSI escape sequences).
     pub color: bool,
-    /// Whether to draw lines with Unicode characters; ASCII otherwise.
+    /// True if lines are drawn with Unicode characters, false for ASCII.
     pub unicode: bool,
-    /// Column at which text is wrapped.
+    /// Number of characters per line, at which help texts and notes are wrapped.
     pub width: usize,
 }
 
 impl Style {
-    /// Style without escape sequences, 100 columns wide: for files, pipes and tests.
+    /// Style for files, pipes and tests: no colours, Unicode lines, 100 characters per line.
     pub const PLAIN: Style = Style {
         color: false,
         unicode: true,
         width: 100,
     };
 
-    /// Detects the style of a stream. Colours are used on a terminal only, unless `NO_COLOR` (see
-    /// <https://no-color.org>) or `TERM=dumb` is set. The width is at most that of the terminal.
+    /// Returns the style for a stream. Colours are used only on a terminal, and not if `NO_COLOR` (see
+    /// <https://no-color.org>) or `TERM=dumb` is set. The width is that of the terminal, from 40 to 100 characters.
     pub fn for_stream(stream: &impl IsTerminal) -> Style {
         let refused = std::env::var_os("NO_COLOR").is_some_and(|value| !value.is_empty())
             || std::env::var_os("TERM").is_some_and(|term| term == "dumb");
@@ -40,7 +40,7 @@ impl Style {
     }
 }
 
-/// Clamps the width of a terminal to a readable text width: 40 to 100 columns.
+/// Returns a readable text width for a terminal of `columns` columns: 40 to 100.
 fn clamp_width(columns: usize) -> usize {
     columns.clamp(40, Style::PLAIN.width)
 }

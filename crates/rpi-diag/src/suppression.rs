@@ -8,34 +8,37 @@ use std::collections::{BTreeMap, BTreeSet};
 
 use crate::{Applicability, Code, CodeGroup, Diagnostic, FileId, Fix, Severity, Span, Subject};
 
-/// Reason why some diagnostics are consequences of another error and are not reported.
+/// Reason why some diagnostics are only consequences of another error, and are therefore not reported.
 #[derive(Clone, Copy, Debug)]
 pub enum Cause<'a> {
-    /// A constant or a size has no value, and the compiler assumed one to go on: an error about the value may come from
-    /// the assumption.
+    /// The compiler assumed a value for a constant or a size that has none. It explains errors about values of sizes
+    /// and constants.
     SampleValue,
-    /// The program uses parts that only another tool supplies. Diagnostics about them matter only if the program has no
-    /// other error.
+    /// The program has an error of its own. It explains diagnostics about parts that only another tool supplies.
     OtherError,
-    /// Declarations whose end is missing, so that their rest was not recognised. Undefined names may be defined there.
+    /// Declarations whose end is missing, by their ranges, so that the rest was not recognised. They explain
+    /// diagnostics about flows within them that have no definition.
     UnclosedDeclarations(&'a [Span]),
-    /// Texts with syntax errors. Other diagnostics within these texts are meaningless.
+    /// Ranges of text with syntax errors. They explain all other diagnostics about text in these ranges.
     SyntaxErrors(&'a [Span]),
-    /// Expressions whose operands have several clocks. The expressions around them are absent in some cycles as a
-    /// consequence.
+    /// Ranges of expressions whose operands have several clocks. They explain diagnostics about the expressions around
+    /// them, which are absent in some cycles as a consequence.
     ClockMismatch(&'a BTreeSet<Span>),
-    /// Values that are absent because of an error. Whether they need a default value is unknown.
+    /// Ranges of expressions that are absent because of an error. They explain warnings and notes about them, for
+    /// example about a default value, because it is unknown whether the corrected program needs it.
     AbsentValues(&'a BTreeSet<Span>),
-    /// Some text has an error that may hide a use. Diagnostics about unused text are unreliable then.
+    /// Some text has an error that may hide the use of a name. It explains warnings about unused and unreachable text.
     HiddenUse,
-    /// Results that one caller does not need. Other callers may, so they do not count as unused.
+    /// Ranges of results of a call that one caller does not need. They explain warnings that these results are unused,
+    /// because other callers may use them.
     UsedElsewhere(&'a BTreeSet<Span>),
-    /// Files of libraries, from this one on. Their warnings and notes are of no use to the users of the library.
+    /// Files of libraries: the file with this identifier and all later ones. They explain warnings and notes about
+    /// these files, which the user of a library cannot act on.
     LibraryFiles(FileId),
 }
 
 impl Cause<'_> {
-    /// Returns whether the diagnostic is a consequence of this cause.
+    /// Returns whether a diagnostic is a consequence of this cause, so that it need not be reported.
     #[must_use]
     pub fn explains(&self, diagnostic: &Diagnostic) -> bool {
         let (code, span) = (diagnostic.code, diagnostic.span());
@@ -63,12 +66,12 @@ impl Cause<'_> {
     }
 }
 
-/// Removes the diagnostics that are consequences of a cause.
+/// Removes the diagnostics that are only consequences of `cause`.
 pub fn suppress(diagnostics: &mut Vec<Diagnostic>, cause: Cause<'_>) {
     suppress_from(diagnostics, 0, cause);
 }
 
-/// Removes the consequences of a cause from the diagnostics with index `first` or higher.
+/// Removes the diagnostics with index `first` or higher that are only consequences of `cause`.
 pub fn suppress_from(diagnostics: &mut Vec<Diagnostic>, first: usize, cause: Cause<'_>) {
     let later = diagnostics.split_off(first.min(diagnostics.len()));
     let own = later
@@ -77,12 +80,13 @@ pub fn suppress_from(diagnostics: &mut Vec<Diagnostic>, first: usize, cause: Cau
     diagnostics.extend(own);
 }
 
-/// Removes warnings, whatever they are about.
+/// Removes all diagnostics except errors: warnings and notes of any subject.
 pub fn suppress_warnings(diagnostics: &mut Vec<Diagnostic>) {
     diagnostics.retain(|diagnostic| diagnostic.severity() == Severity::Error);
 }
 
-/// Removes the diagnostics about definitions that only another tool can supply, if there is an error of another kind.
+/// Removes the diagnostics about definitions that only another tool can supply, if the program has an error of another
+/// kind.
 pub fn suppress_external(diagnostics: &mut Vec<Diagnostic>) {
     let is_other = |diagnostic: &Diagnostic| {
         diagnostic.severity() == Severity::Error && !diagnostic.code.is_external()
@@ -92,7 +96,7 @@ pub fn suppress_external(diagnostics: &mut Vec<Diagnostic>) {
     }
 }
 
-/// Removes the diagnostics about text with a syntax error, other than the syntax error itself.
+/// Removes the diagnostics about text with a syntax error, except the syntax errors themselves.
 pub fn suppress_in_syntax_errors(diagnostics: &mut Vec<Diagnostic>) {
     let faults = diagnostics.iter().filter(|found| is_syntax_error(found));
     let labels = faults.flat_map(|fault| &fault.labels);
@@ -100,15 +104,16 @@ pub fn suppress_in_syntax_errors(diagnostics: &mut Vec<Diagnostic>) {
     suppress(diagnostics, Cause::SyntaxErrors(&places));
 }
 
-/// Adds the diagnostics whose code and span are new.
+/// Adds the diagnostics of `more` whose code and location do not occur in `diagnostics`.
 pub fn add_new(diagnostics: &mut Vec<Diagnostic>, more: impl IntoIterator<Item = Diagnostic>) {
     let reported: BTreeSet<(Code, Span)> = diagnostics.iter().map(place).collect();
     let more = more.into_iter();
     diagnostics.extend(more.filter(|diagnostic| !reported.contains(&place(diagnostic))));
 }
 
-/// Removes repetitions. A unit that is called in several places is analysed in each of them, possibly with other names
-/// for its flows: diagnostics with the same fixes at the same location are the same error.
+/// Removes repeated diagnostics: with the same code, location and message, or with the same code, location and fixes.
+/// They occur because a node that is called in several places is analysed in each of them, possibly with other names
+/// for its flows.
 pub fn remove_repeated(diagnostics: &mut Vec<Diagnostic>) {
     let (mut seen, mut fixed) = (BTreeSet::new(), BTreeSet::new());
     diagnostics.retain(|diagnostic| {
@@ -118,7 +123,8 @@ pub fn remove_repeated(diagnostics: &mut Vec<Diagnostic>) {
     });
 }
 
-/// Keeps the first of several diagnostics with the same single sure fix: the others follow from the same error.
+/// Reduces several diagnostics with the same single sure fix to the first one, because the others follow from the same
+/// error.
 pub fn remove_repeated_fixes(diagnostics: &mut Vec<Diagnostic>) {
     let mut seen: BTreeSet<(Span, String)> = BTreeSet::new();
     diagnostics.retain(|diagnostic| match &diagnostic.fixes[..] {
@@ -136,11 +142,12 @@ pub fn remove_repeated_fixes(diagnostics: &mut Vec<Diagnostic>) {
     });
 }
 
-/// Number of further locations that are shown with the first diagnostic about a subject.
+/// Maximum number of further locations that the merged diagnostic about an undefined name shows.
 const MAX_LOCATIONS: usize = 3;
 
-/// Keeps the first of several diagnostics about one subject ([`Diagnostic::about`]), and adds the locations of other uses
-/// of an undefined name. Diagnostics about names with help or fixes of their own are kept.
+/// Reduces several diagnostics about one undefined name or unsupported construct ([`Diagnostic::about`]) to the first
+/// one, and adds the locations of other uses of an undefined name. A diagnostic about a name with help or fixes of its
+/// own is preserved.
 pub fn merge_by_subject(diagnostics: &mut Vec<Diagnostic>) {
     let mut places: BTreeMap<Subject, Vec<Span>> = BTreeMap::new();
     diagnostics.retain(|diagnostic| match mergeable_subject(diagnostic) {
@@ -166,8 +173,12 @@ pub fn merge_by_subject(diagnostics: &mut Vec<Diagnostic>) {
         }
         match others.len().saturating_sub(MAX_LOCATIONS) {
             0 => {}
-            1 => diagnostic.help.push("used in one more place".to_owned()),
-            more => diagnostic.help.push(format!("used in {more} more places")),
+            1 => diagnostic
+                .notes
+                .push("it is used in one more place".to_owned()),
+            more => diagnostic
+                .notes
+                .push(format!("it is used in {more} more places")),
         }
     }
 }
@@ -182,7 +193,7 @@ fn has_hints(diagnostic: &Diagnostic) -> bool {
     !diagnostic.fixes.is_empty() || !diagnostic.help.is_empty()
 }
 
-/// Returns whether a diagnostic rejects the text itself, before its meaning is known.
+/// Returns whether a diagnostic is a syntax error: it rejects the text before the meaning of the text is known.
 fn is_syntax_error(diagnostic: &Diagnostic) -> bool {
     diagnostic.code.group() == CodeGroup::Syntax && diagnostic.severity() == Severity::Error
 }
@@ -191,7 +202,7 @@ fn place(diagnostic: &Diagnostic) -> (Code, Span) {
     (diagnostic.code, diagnostic.span())
 }
 
-/// Returns the changes that the fixes of a diagnostic make.
+/// Returns the edits of all fixes of a diagnostic: ranges and new texts.
 fn fix_edits(diagnostic: &Diagnostic) -> Vec<(Span, String)> {
     let edits = diagnostic.fixes.iter().flat_map(|fix| &fix.edits);
     edits.map(|edit| (edit.span, edit.text.clone())).collect()
@@ -201,12 +212,12 @@ fn overlap(a: Span, b: Span) -> bool {
     a.file == b.file && a.start < b.end && b.start < a.end
 }
 
-/// Returns whether `place` begins in `outer`, or right behind it.
+/// Returns whether `place` begins within `outer` or at its end.
 fn contains(outer: Span, place: Span) -> bool {
     !place.is_none() && outer.file == place.file && (outer.start..=outer.end).contains(&place.start)
 }
 
-/// Returns whether `place` equals or contains one of the spans.
+/// Returns whether one of the ranges `places` lies within `place` or equals it.
 fn contains_any(places: &BTreeSet<Span>, place: Span) -> bool {
     let start = Span { end: 0, ..place };
     let within = places.range(start..).take_while(|at| at.file == place.file);

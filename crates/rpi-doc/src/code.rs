@@ -4,8 +4,8 @@ use rpi_syntax::{Dialect, SourceTokenKind, source_tokens};
 
 use crate::html::escape;
 
-/// Returns the text of a program, or of a part of one, as HTML with coloured tokens. `link` returns the target of a
-/// name, if it has one.
+/// Returns a program, or a part of one, as HTML with coloured tokens. `mode` is the language of the text. `link`
+/// returns the address to which a name is linked, or `None` for a name without a link.
 pub(crate) fn code(text: &str, mode: Dialect, link: &dyn Fn(&str) -> Option<String>) -> String {
     let mut out = String::with_capacity(2 * text.len());
     let mut at = 0;
@@ -46,7 +46,8 @@ fn linked_name(word: &str, link: &dyn Fn(&str) -> Option<String>) -> String {
     }
 }
 
-/// Returns a whole program text as HTML, with a number before each line that links can refer to.
+/// Returns a whole program as an HTML listing with coloured tokens and a number before each line, to which links can
+/// refer as `#L12`.
 pub(crate) fn listing(text: &str, mode: Dialect) -> String {
     let coloured = code(text, mode, &|_| None);
     let mut out = String::from("<pre class=\"listing\"><code>");
@@ -60,7 +61,8 @@ pub(crate) fn listing(text: &str, mode: Dialect) -> String {
     out
 }
 
-/// Returns a block of program text as an HTML `pre` element with coloured tokens.
+/// Returns a part of a program as an HTML `pre` element with coloured tokens. `link` returns the address to which a
+/// name is linked.
 pub(crate) fn block(text: &str, mode: Dialect, link: &dyn Fn(&str) -> Option<String>) -> String {
     let coloured = code(text.trim_end(), mode, link);
     format!("<pre class=\"code\"><code>{coloured}</code></pre>\n")

@@ -12,17 +12,18 @@ use crate::links::LinkMap;
 use crate::markdown::to_html;
 use crate::members;
 
-/// Context in which the sections of a page are written: the checked module, the links and the page of its source text.
+/// Context in which the sections of a page are written: the checked module, the targets of links, and the page with the
+/// source text of the module.
 pub(crate) struct PageContext<'s> {
     pub(crate) inspected: &'s Inspection,
     pub(crate) links: &'s LinkMap,
-    /// Path of the page with the source text, relative to the page of the module.
+    /// Path of the page with the source text of the module, relative to the page of the module.
     pub(crate) listing: String,
 }
 
 impl PageContext<'_> {
-    /// Returns the link target of a name that is used in the declaration `from`. A name of the declaration itself is
-    /// not linked.
+    /// Returns the address to which the name `name` is linked where the declaration `from` uses it. Returns `None` for
+    /// the name of the declaration itself, a name without a page and a local name.
     pub(crate) fn link(&self, from: &Def, name: &str) -> Option<String> {
         let (file, offset) = (from.span.file, from.span.end);
         let index = self.inspected.index();
@@ -60,8 +61,8 @@ impl PageContext<'_> {
         out
     }
 
-    /// Returns the link from a declaration to its line in the listing of the file. The link is empty for a declaration of
-    /// another file, whose listing is not part of the page.
+    /// Returns the link from a declaration to its line in the listing of its source file, in HTML. The link is empty
+    /// for a declaration of another file, whose listing is not part of the site.
     fn source_link(&self, def: &Def) -> String {
         if Some(def.span.file) != self.inspected.sources.files().next() {
             return String::new();
@@ -73,8 +74,8 @@ impl PageContext<'_> {
         )
     }
 
-    /// Returns the declaration without its body, formatted. Of several constants or types in one item, returns only
-    /// this one.
+    /// Returns the formatted text of a declaration without its body. If one item declares several constants or types,
+    /// the text contains only the constant or type `def`.
     fn signature(&self, def: &Def, item: &Item) -> String {
         match def.kind {
             DefKind::Const => {
@@ -114,7 +115,8 @@ impl PageContext<'_> {
     }
 }
 
-/// Removes the doc comments of members, which are shown in the tables below the signature.
+/// Removes the lines with doc comments of members from the text of a declaration. The tables below the signature show
+/// these comments.
 fn without_docs(head: &str) -> String {
     let lines = head.lines();
     let kept: Vec<&str> = lines
@@ -123,7 +125,7 @@ fn without_docs(head: &str) -> String {
     kept.join("\n")
 }
 
-/// Returns the description of a file in this language, such as "RPI program".
+/// Returns the word for a source file in this language, shown beside the title of a page: `module` or `Lustre file`.
 pub(crate) fn mode_word(mode: Dialect) -> &'static str {
     match mode {
         Dialect::Rpi => "module",

@@ -1,6 +1,7 @@
 //! HTML escaping, and the frame of every page.
 
-/// Escapes a text for HTML elements and attributes.
+/// Returns a text with the special characters of HTML escaped, for use in elements and attributes. Control characters
+/// are replaced by U+FFFD.
 pub(crate) fn escape(text: &str) -> String {
     let mut out = String::with_capacity(text.len());
     for c in text.chars() {
@@ -19,20 +20,20 @@ pub(crate) fn escape(text: &str) -> String {
 
 /// Content of an HTML page of the reference, without the frame that all pages share.
 pub(crate) struct Page<'p> {
-    /// Title of the page.
+    /// Title of the page as plain text, whose special characters are escaped later.
     pub(crate) title: &'p str,
-    /// Name of the project.
+    /// Name of the project as plain text, shown in the head of every page.
     pub(crate) project: &'p str,
     /// Relative path from the page to the root folder of the site: empty or `../`.
     pub(crate) up: &'static str,
-    /// Content of the side bar, in HTML.
+    /// Page-specific content of the side bar, in HTML.
     pub(crate) side: &'p str,
-    /// Main content, in HTML.
+    /// Main content of the page, in HTML.
     pub(crate) main: &'p str,
 }
 
 impl Page<'_> {
-    /// Returns the whole page.
+    /// Returns the complete HTML document with head, search box, side bar and main content.
     pub(crate) fn html(&self) -> String {
         let Page { up, side, main, .. } = self;
         let (title, project) = (escape(self.title), escape(self.project));

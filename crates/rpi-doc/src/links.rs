@@ -5,24 +5,25 @@ use std::collections::BTreeMap;
 use rpi_driver::Inspection;
 use rpi_sema::query::{Def, DefId, DefKind};
 
-/// Pages by the source files that they show.
+/// Map from the source files that the site shows to the names of their pages, for links to declarations.
 #[derive(Default)]
 pub(crate) struct LinkMap {
     pages: BTreeMap<String, String>,
 }
 
 impl LinkMap {
-    /// Records that a source file is shown on a page.
+    /// Records that the page named `page` (without extension) shows the source file `source`.
     pub(crate) fn add(&mut self, source: &str, page: &str) {
         self.pages.insert(source.to_owned(), page.to_owned());
     }
 
-    /// Returns the page of a source file, without extension.
+    /// Returns the name of the page of a source file, without extension; `None` for a file that the site does not show.
     pub(crate) fn page(&self, source: &str) -> Option<&str> {
         self.pages.get(source).map(String::as_str)
     }
 
-    /// Returns a link to a definition, for a page in the root folder of the site.
+    /// Returns the address of a definition, relative to the root folder of the site; `None` if the site does not show
+    /// its file.
     pub(crate) fn href(&self, seen: &Inspection, id: DefId) -> Option<String> {
         let def = seen.index().def(id);
         let page = self.page(seen.sources.name(def.span.file))?;
@@ -32,7 +33,8 @@ impl LinkMap {
         }
     }
 
-    /// Returns a link to a top-level declaration; `None` for other definitions.
+    /// Returns the address of a top-level declaration, relative to the root folder of the site; `None` for other
+    /// definitions.
     pub(crate) fn href_of_top(&self, seen: &Inspection, id: DefId) -> Option<String> {
         is_top(seen, seen.index().def(id))
             .then(|| self.href(seen, id))
@@ -40,13 +42,14 @@ impl LinkMap {
     }
 }
 
-/// Returns whether a definition is top-level in a module.
+/// Returns whether a definition is a declaration at the top level of a module, such as a node; tests do not count.
 pub(crate) fn is_top(seen: &Inspection, def: &Def) -> bool {
     let parent = def.parent.map(|id| seen.index().def(id).kind);
     def.kind != DefKind::Test && matches!(parent, None | Some(DefKind::Module))
 }
 
-/// Returns the HTML id of a definition: `Line`, `Line.pose`. A definition that is not shown gets the id of its parent.
+/// Returns the HTML id at which a page shows a definition, such as `Line` or `Line.pose`. A definition that is not
+/// shown has the id of the declaration around it; `None` if there is none.
 pub(crate) fn anchor(seen: &Inspection, id: DefId) -> Option<String> {
     let index = seen.index();
     let def = index.def(id);
@@ -60,7 +63,7 @@ pub(crate) fn anchor(seen: &Inspection, id: DefId) -> Option<String> {
     }
 }
 
-/// Returns whether definitions of this kind are shown within their declaration.
+/// Returns whether definitions of this kind, such as ports and fields, are shown as members of their declaration.
 pub(crate) fn is_part(kind: DefKind) -> bool {
     use DefKind::{Field, Input, Output, Param, Port, Result, StaticParam, TakenOver};
     matches!(

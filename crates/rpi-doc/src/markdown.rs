@@ -9,10 +9,11 @@ use rpi_syntax::Dialect;
 use crate::code;
 use crate::html::escape;
 
-/// Function that returns the link target of a name, if it has one.
+/// Function that returns the address to which a name in a text is linked, or `None` for a name without a link.
 pub(crate) type Link<'l> = &'l dyn Fn(&str) -> Option<String>;
 
-/// Converts a doc comment to HTML.
+/// Converts a doc comment from Markdown to HTML. Names in square brackets or backquotes are linked to the declarations
+/// for which `link` returns an address.
 pub(crate) fn to_html(text: &str, link: Link<'_>) -> String {
     let resolved = |broken: BrokenLink<'_>| {
         let href = link(broken.reference.trim_matches('`'))?;
@@ -31,7 +32,7 @@ pub(crate) fn to_html(text: &str, link: Link<'_>) -> String {
     out
 }
 
-/// Returns the first sentence of a doc comment, in HTML without blocks and links.
+/// Returns the first sentence of a doc comment in HTML, with code spans but without paragraphs and links.
 pub(crate) fn summary(text: &str) -> String {
     let first = text.split("\n\n").next().unwrap_or_default();
     let joined = first.lines().map(str::trim).collect::<Vec<_>>().join(" ");
@@ -58,8 +59,8 @@ pub(crate) fn plain_text(text: &str) -> (String, String) {
     (first.trim().to_owned(), rest.trim().to_owned())
 }
 
-/// Returns the length in bytes of the first sentence. A sentence ends with a full stop outside of parentheses, followed
-/// by a space and an upper-case letter or a backquote.
+/// Returns the length in bytes of the first sentence of a text. A sentence ends with a full stop outside of
+/// parentheses, followed by a space and an upper-case letter or a backquote.
 fn first_sentence_len(text: &str) -> usize {
     let is_end = |at: &usize| {
         let (before, next) = (&text[..*at], text[at + 2..].chars().next());
@@ -72,9 +73,10 @@ fn first_sentence_len(text: &str) -> usize {
 
 struct Writer<'w> {
     link: Link<'w>,
-    /// For each open link, innermost last, whether it is written to the output.
+    /// For each open link, the innermost last, true if the link is written to the output. Links to unsafe addresses are
+    /// not.
     links: Vec<bool>,
-    /// Language and text of the code block that is being read.
+    /// Language and text so far of the code block that the parser is in; `None` outside of code blocks.
     block: Option<(String, String)>,
 }
 
@@ -113,7 +115,7 @@ impl Writer<'_> {
         }
     }
 
-    /// Turns an inline code span that names a declaration into a link to it.
+    /// Converts an inline code span to HTML. If the text names a declaration, it becomes a link to the declaration.
     fn quoted<'e>(&self, text: CowStr<'e>) -> Event<'e> {
         match (self.link)(&text).filter(|_| self.links.is_empty()) {
             Some(href) => {
@@ -125,7 +127,7 @@ impl Writer<'_> {
     }
 }
 
-/// Lowers a heading, because the page has its own headings above those of a comment.
+/// Lowers the level of a heading by three, because the page has its own headings above those of a doc comment.
 fn lower_heading(event: Event<'_>) -> Event<'_> {
     let below = |level: HeadingLevel| {
         HeadingLevel::try_from((level as usize + 3).min(6)).unwrap_or(HeadingLevel::H6)
@@ -157,7 +159,7 @@ fn code_block(language: &str, text: &str, link: Link<'_>) -> String {
     }
 }
 
-/// Returns whether a URL may be linked from a page: to the web or within the site, but not a script.
+/// Returns whether a page may link to a URL: to the web, to a mail address or within the site, but not to a script.
 fn is_safe(url: &str) -> bool {
     let scheme = url.split(['/', '#', '?']).next().unwrap_or_default();
     match scheme.split_once(':') {

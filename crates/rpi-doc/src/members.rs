@@ -10,11 +10,12 @@ use crate::html::escape;
 use crate::links::anchor;
 use crate::markdown::{Link, to_html};
 
-/// Kind of members of a declaration (ports, fields, results) that one table lists.
+/// Group of members of one kind (ports, fields, results) that one table of a declaration lists.
 struct Group {
     title: &'static str,
     kind: DefKind,
-    /// Whether the table is shown even without doc comments, because it contains more than the signature.
+    /// True if the table is shown even if no member has a doc comment, because the table contains more than the
+    /// signature.
     always: bool,
 }
 
@@ -38,7 +39,8 @@ const GROUPS: &[Group] = &[
     group("Results", DefKind::Result, true),
 ];
 
-/// Returns the tables of the members of a declaration, in HTML.
+/// Returns the tables of the members of a declaration (parameters, ports, fields, results) in HTML, with their doc
+/// comments.
 pub(crate) fn tables(seen: &Inspection, id: DefId, link: Link<'_>) -> String {
     let parts = parts(seen, id);
     let mut out = String::new();
@@ -55,7 +57,7 @@ pub(crate) fn tables(seen: &Inspection, id: DefId, link: Link<'_>) -> String {
     out
 }
 
-/// Returns the members of a declaration in source order.
+/// Returns the members of a declaration (parameters, ports, fields, values, results) in source order.
 fn parts(seen: &Inspection, id: DefId) -> Vec<(DefId, &Def)> {
     let index = seen.index();
     let whole = index.def(id);
@@ -69,7 +71,8 @@ fn parts(seen: &Inspection, id: DefId) -> Vec<(DefId, &Def)> {
     parts
 }
 
-/// Returns an anchor for links to a member that has no table.
+/// Returns an empty HTML element with the id of a member that has no row in a table, as the target of links to the
+/// member.
 fn target(seen: &Inspection, id: DefId) -> String {
     let anchor = anchor(seen, id).unwrap_or_default();
     format!("<span id=\"{}\"></span>\n", escape(&anchor))
@@ -96,7 +99,7 @@ fn table(seen: &Inspection, group: &Group, rows: &[&(DefId, &Def)], link: Link<'
     out
 }
 
-/// Returns the type and default of a member, or the condition of a result.
+/// Returns the type and default of a member, or the condition of a result, as HTML; empty for the value of an enum.
 fn what(seen: &Inspection, def: &Def, link: Link<'_>) -> String {
     let text = match def.kind {
         DefKind::Result => seen
@@ -116,7 +119,8 @@ fn what(seen: &Inspection, def: &Def, link: Link<'_>) -> String {
     )
 }
 
-/// Returns the type and default: `T = default`.
+/// Returns the type and default of a member as text, such as `real = 0.0`. For a member without a written type, the
+/// text contains up to three inferred types.
 pub(crate) fn type_text(seen: &Inspection, def: &Def) -> String {
     match def.ty {
         Some(ty) => {
@@ -131,7 +135,8 @@ pub(crate) fn type_text(seen: &Inspection, def: &Def) -> String {
     }
 }
 
-/// Returns the text of a declaration after its type: a clock or a default.
+/// Returns the text of a declaration that follows its type: a clock or a default; empty if there is none. `whole` is
+/// the range of the declaration, `ty` that of its type.
 fn rest_of(sources: &SourceMap, whole: Span, ty: Span) -> String {
     let rest = Span::new(whole.file, ty.end, whole.end.max(ty.end));
     let rest = sources.slice(rest).trim().trim_end_matches(';');
@@ -142,7 +147,7 @@ fn rest_of(sources: &SourceMap, whole: Span, ty: Span) -> String {
     }
 }
 
-/// Returns a remark about presence for an optional type.
+/// Returns a remark in HTML that a member may be absent, if its type is optional; else an empty text.
 fn presence(seen: &Inspection, def: &Def) -> &'static str {
     let optional = def
         .ty
@@ -154,7 +159,7 @@ fn presence(seen: &Inspection, def: &Def) -> &'static str {
     }
 }
 
-/// Replaces line breaks and indentation by single spaces.
+/// Returns a text with each line break and each sequence of blanks replaced by a single space.
 pub(crate) fn one_line(text: &str) -> String {
     text.split_whitespace().collect::<Vec<_>>().join(" ")
 }

@@ -9,7 +9,7 @@ use crate::html::escape;
 use crate::links::is_top;
 use crate::markdown::{summary, to_html};
 
-/// Sections of a page, in order of importance.
+/// Sections of a module page in their order: kind of the listed declarations, and title.
 const SECTIONS: &[(DefKind, &str)] = &[
     (DefKind::Command, "Commands"),
     (DefKind::Task, "Tasks"),
@@ -23,7 +23,8 @@ const SECTIONS: &[(DefKind, &str)] = &[
     (DefKind::Primitive, "Primitives"),
 ];
 
-/// Returns the declarations of a module by section, each in source order.
+/// Returns the sections of a module page: the title of each, and its declarations in source order. Sections without
+/// declarations are omitted.
 pub(crate) fn sections(seen: &Inspection) -> Vec<(&'static str, Vec<(DefId, &Item)>)> {
     let declared = declared(seen);
     let of = |kind: DefKind| {
@@ -35,7 +36,7 @@ pub(crate) fn sections(seen: &Inspection) -> Vec<(&'static str, Vec<(DefId, &Ite
     all.filter(|(_, found)| !found.is_empty()).collect()
 }
 
-/// Returns every declaration of the own files of the module.
+/// Returns every declaration in the files of the module itself, without tests and imported declarations.
 fn declared(seen: &Inspection) -> Vec<(DefId, &Item)> {
     let mut found = Vec::new();
     for item in seen.own_items() {
@@ -55,8 +56,8 @@ fn declared(seen: &Inspection) -> Vec<(DefId, &Item)> {
     found
 }
 
-/// Returns the description of the module: a doc comment at the top of its text that is followed by an empty line or a
-/// `use`.
+/// Returns the description of the module: the doc comment at the top of its main file, if an empty line or a `use`
+/// follows it; else `None`.
 pub(crate) fn description(seen: &Inspection) -> Option<String> {
     let file = seen.sources.files().next()?;
     let text = seen.sources.text(file);
@@ -73,7 +74,8 @@ fn is_before_use(after: &str) -> bool {
     after.trim_start().starts_with("use ")
 }
 
-/// Returns the main content of the page.
+/// Returns the main content of a module page in HTML: description, overview tables, declarations and tests. `name` is
+/// the name of the module.
 pub(crate) fn content(shown: &PageContext<'_>, name: &str) -> String {
     let seen = shown.inspected;
     let word = crate::declaration::mode_word(seen.mode());
@@ -128,7 +130,7 @@ fn overview(seen: &Inspection, title: &str, found: &[(DefId, &Item)]) -> String 
     out
 }
 
-/// Returns the HTML list of the tests that a module declares.
+/// Returns the HTML list of the tests that a module declares; empty if there are none.
 fn tests(shown: &PageContext<'_>) -> String {
     let tests = shown
         .inspected
@@ -156,7 +158,7 @@ fn tests(shown: &PageContext<'_>) -> String {
     }
 }
 
-/// Returns the side bar of the page.
+/// Returns the side bar of a module page in HTML: links to all declarations, by section.
 pub(crate) fn side_bar(seen: &Inspection) -> String {
     let mut out = String::new();
     for (title, found) in sections(seen) {

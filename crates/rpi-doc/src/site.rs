@@ -15,26 +15,28 @@ const STYLE: &str = include_str!("../assets/style.css");
 const SEARCH: &str = include_str!("../assets/search.js");
 const SEARCH_BOX: &str = include_str!("../assets/search-box.js");
 
-/// Checked module for which a page is generated.
+/// Checked module for which the site gets a page.
 #[derive(Debug)]
 pub struct Module {
-    /// Name, as used by `use`.
+    /// Name of the module, as a `use` of the module writes it.
     pub name: String,
-    /// Whether the module belongs to the standard library.
+    /// True if the module belongs to the standard library; its page is listed apart.
     pub is_library: bool,
-    /// Checked module; its own text is the first file.
+    /// Result of checking the module. Its first file is the main file of the module.
     pub inspected: Inspection,
 }
 
 /// Generated reference: all files of the HTML pages.
 #[derive(Clone, PartialEq, Eq, Debug)]
 pub struct Site {
-    /// Name and content of each file, sorted by name. Folders are separated by `/`.
+    /// Name and content of each file, sorted by name. Names are relative to the root folder of the site, with `/`
+    /// between folders.
     pub files: Vec<(String, String)>,
 }
 
 impl Site {
-    /// Generates the reference of modules under one title; `about` is Markdown.
+    /// Generates the reference of `modules`. `title` is the name of the project, `about` the Markdown text on the start
+    /// page.
     #[must_use]
     pub fn new(title: &str, about: &str, modules: &[Module]) -> Site {
         let shelf = SiteBuilder::new(title, modules);
@@ -54,11 +56,11 @@ impl Site {
     }
 }
 
-/// Generator of the pages: the modules, the names of their pages, and the targets of links.
+/// Generator of the pages of a site: the modules, the file names of their pages, and the targets of links.
 struct SiteBuilder<'m> {
     title: &'m str,
     modules: &'m [Module],
-    /// Page name of each module.
+    /// File name of the page of each module without extension, in the order of the modules.
     pages: Vec<String>,
     links: LinkMap,
 }
@@ -104,8 +106,8 @@ impl<'m> SiteBuilder<'m> {
         .html()
     }
 
-    /// Returns the list of modules for the side bar of every page, in HTML. `up` is the relative path to the root
-    /// folder.
+    /// Returns the list of modules for the side bar of every page, in HTML. `up` is the relative path from the page to
+    /// the root folder of the site.
     fn contents(&self, up: &str) -> String {
         let line = |(module, page): (&Module, &String)| {
             let name = escape(&module.name);
@@ -187,7 +189,7 @@ impl<'m> SiteBuilder<'m> {
         }
     }
 
-    /// Returns the page that lists every declaration, sorted by name ignoring case.
+    /// Returns the list of all declarations of all modules in HTML, sorted by name ignoring case.
     fn all_names(&self) -> String {
         let mut names = self.declarations();
         names.sort_by_key(|name| (name.name.to_lowercase(), name.href.clone()));
@@ -204,8 +206,8 @@ impl<'m> SiteBuilder<'m> {
         )
     }
 
-    /// Returns the search index as JavaScript: `[name, kind, module, link, summary, details]` for each declaration. The
-    /// details are missing if the description has one sentence only.
+    /// Returns the search index as JavaScript: an array `[name, kind, module, link, summary, details]` for each
+    /// declaration. The details are missing if the description has only one sentence.
     fn names(&self) -> String {
         let rows = self.declarations().into_iter().map(|name| {
             let mut cells = vec![
@@ -252,19 +254,20 @@ impl<'m> SiteBuilder<'m> {
     }
 }
 
-/// Declaration in the search index.
+/// Entry of the search index: one declaration.
 struct IndexEntry {
     name: String,
     kind: &'static str,
     module: String,
     href: String,
-    /// First sentence of the description, without markup.
+    /// First sentence of the doc comment, without markup.
     summary: String,
-    /// Other sentences of the description, without examples.
+    /// Other sentences of the doc comment, without markup and code blocks; empty if there are none.
     details: String,
 }
 
-/// Returns the page name of a module, limited to characters that are valid in file names on all systems.
+/// Returns the file name of the page of a module, without extension. Characters that are not valid in file names on all
+/// systems are replaced by `-`.
 fn page_name(module: &str) -> String {
     let kept = |c: char| {
         if c.is_alphanumeric() || "-_.".contains(c) {
@@ -286,7 +289,7 @@ fn unique(name: &str, taken: &mut BTreeSet<String>) -> String {
     free.unwrap_or_default()
 }
 
-/// Returns a text as a JavaScript string literal.
+/// Returns a text as a JavaScript string literal, safe within a script in HTML.
 fn js_string(text: &str) -> String {
     let mut out = String::from("\"");
     for c in text.chars() {

@@ -6,7 +6,8 @@ use rpi_lower::Plan;
 use rpi_net::passes::{Analysis, Schedule};
 use rpi_net::{ExportPort, FragmentId, Net};
 
-/// Net after all passes, with an order of evaluation. The tools lower and print it without another analysis.
+/// Net on which all compiler passes have run, with an order of evaluation. The tools lower and print it without another
+/// analysis.
 #[derive(Clone, Debug)]
 pub struct AnalysedNet {
     analysis: Analysis,
@@ -24,7 +25,8 @@ impl AnalysedNet {
         Some(AnalysedNet { analysis, schedule })
     }
 
-    /// Returns the results of the passes that the lowering needs.
+    /// Returns the results of the passes that the lowering to an image needs: fragments, order of evaluation and
+    /// presence of flows.
     #[must_use]
     pub fn plan(&self) -> Plan<'_> {
         Plan {
@@ -34,14 +36,14 @@ impl AnalysedNet {
         }
     }
 
-    /// Returns the results of the passes. The order of evaluation is in [`AnalysedNet::plan`].
+    /// Returns the net with the results of the passes. The order of evaluation is in [`AnalysedNet::plan`].
     #[must_use]
     pub fn analysis(&self) -> &Analysis {
         &self.analysis
     }
 
-    /// Returns the work bound of a cycle in elementary operations. Of mutually exclusive fragments only the most
-    /// expensive counts.
+    /// Returns the upper bound on the work of a cycle in elementary operations. Of mutually exclusive fragments only
+    /// the most expensive counts.
     #[must_use]
     pub fn work_bound(&self) -> u64 {
         self.analysis.work.bound(FragmentId::ROOT)
@@ -53,7 +55,8 @@ impl AnalysedNet {
         self
     }
 
-    /// Adds ports to the exports of the net. The results of the passes stay valid, because none depends on the exports.
+    /// Adds ports to the exports of the net, the flows that are visible outside. The results of the passes stay valid,
+    /// because none depends on the exports.
     pub(crate) fn export(&mut self, ports: impl IntoIterator<Item = ExportPort>) {
         self.analysis.net.exports.extend(ports);
     }

@@ -13,32 +13,33 @@ use crate::compile::CompileOptions;
 use crate::faults::{self, FaultLocation};
 use crate::program::AnalysedProgram;
 
-/// Summary of the analyses of one command, node or task: its name, and one line per result.
+/// Summary of the compiler's analyses of one command, node or task: its name, and one line per result.
 #[derive(Clone, PartialEq, Eq, Debug)]
 pub struct AnalysisSummary {
     /// Name of the command, node or task.
     pub name: String,
-    /// Lines: the name of the analysis and its result.
+    /// Lines of the summary: the name of the analysis and its result as text.
     pub lines: Vec<(&'static str, String)>,
 }
 
-/// Reports about nets that the user requested with options, filled in while the nets are analysed.
+/// Reports about nets that the user requested with command-line options, filled in while the nets are analysed.
 #[derive(Default)]
 pub(crate) struct RequestedReports {
-    /// Summaries of the units so far, if requested.
+    /// Summaries of the commands, nodes and tasks that are already compiled; `None` if they are not requested.
     summaries: RefCell<Option<Vec<AnalysisSummary>>>,
-    /// Operations that can fault in the nets so far, if requested.
+    /// Operations that can fault at run time in the nets that are already compiled; `None` if they are not requested.
     faults: RefCell<Option<BTreeSet<FaultLocation>>>,
 }
 
 impl RequestedReports {
-    /// Starts the reports that the options request.
+    /// Starts the reports that the options request, and removes those of an earlier compilation.
     pub(crate) fn request(&self, options: CompileOptions) {
         self.summaries.replace(options.summaries.then(Vec::new));
         self.faults.replace(options.faults.then(BTreeSet::new));
     }
 
-    /// Removes and returns the reports: summaries, and operations that can fault in source order.
+    /// Removes and returns the reports: the summaries, and the operations that can fault in source order. Reports that
+    /// were not requested are empty.
     pub(crate) fn take(&self) -> (Vec<AnalysisSummary>, Vec<FaultLocation>) {
         let faults = self.faults.take().unwrap_or_default();
         (
@@ -47,7 +48,7 @@ impl RequestedReports {
         )
     }
 
-    /// Changes the name in the last summary.
+    /// Changes the name in the summary that was added last.
     pub(crate) fn rename_last(&self, name: &str) {
         let mut summaries = self.summaries.borrow_mut();
         if let Some(last) = summaries.as_mut().and_then(|all| all.last_mut()) {
@@ -62,7 +63,7 @@ impl RequestedReports {
     }
 }
 
-/// Adds the result lines of a task's checks to the summary that `rpic check --explain-analysis` prints.
+/// Adds a summary with the results of a task's checks, if summaries are requested.
 pub(crate) fn record_task_summary(front: &AnalysedProgram<'_>, unit: UnitId) {
     front.reports.add_summary(|| AnalysisSummary {
         name: front.checked.unit(unit).name.to_string(),
@@ -70,8 +71,8 @@ pub(crate) fn record_task_summary(front: &AnalysedProgram<'_>, unit: UnitId) {
     });
 }
 
-/// Records the reports about the net of a unit, and returns the warnings about its operations that can fault. The
-/// operations are computed only if a report or a warning needs them.
+/// Adds the requested reports about the net of a unit (a node, command or test), and returns the warnings about its
+/// operations that can fault. The operations are computed only if a report or a warning needs them.
 pub(crate) fn record_reports(
     front: &AnalysedProgram<'_>,
     unit: UnitId,
@@ -112,7 +113,8 @@ fn unit_summary(
     AnalysisSummary { name, lines }
 }
 
-/// Returns the summary of the work bound of a net and of the budgets that the program declares.
+/// Returns a line about time: the upper bound on a cycle of the net, the period of the machine, and the number of
+/// budgets that the program declares.
 fn budget(analysis: &Analysis, machine: MachineProfile) -> String {
     let bound = machine.time_of(analysis.work.bound(FragmentId::ROOT)) / 1e3;
     let fragments = analysis.net.fragments.iter();

@@ -6,21 +6,24 @@ use rpi_sema::ty::Ty;
 use rpi_sema::typed::{BlockId, Equation, TargetPlace, TypedKind, Unit, UnitId};
 use rpi_syntax::ast::CommandEndKind;
 
-/// Output of a motion of the library: it rests because of a cancel request.
+/// Name of the Boolean output by which a motion of the standard library reports that it rests because of a cancel
+/// request.
 const STOPPED: &str = "stopped";
 
-/// Adds the fix to the warnings about a command whose body makes one motion that says when it has stopped.
+/// Adds a fix to the warnings about a command that ignores a cancel request: a result for the motion that has stopped.
+/// Only commands that make motions with an output `stopped` get the fix.
 pub(crate) fn add_fixes(units: &[Unit], unit: UnitId, found: &mut [Diagnostic]) {
     let command = &units[unit.0 as usize];
     for diagnostic in found.iter_mut().filter(|one| is_cancel_ignored(one)) {
-        if let Some(fix) = stopping_motion(units, command).and_then(|name| fix(command, name)) {
+        if let Some(fix) = stopped_condition(units, command).and_then(|when| fix(command, &when)) {
             *diagnostic = diagnostic.clone().fix(fix);
         }
     }
 }
 
-/// Inserts a result for a motion that has stopped before another one: a `fail`, if there is one.
-fn fix(command: &Unit, motion: &str) -> Option<Fix> {
+/// Returns the fix that inserts the result `stopped` with this condition before another result of the command: a
+/// `fail`, if there is one. Returns `None` if the command has no result, or the other one is a `yield`.
+fn fix(command: &Unit, condition: &str) -> Option<Fix> {
     let ends = &command.block(BlockId::ROOT).ends;
     let fails = ends.iter().rfind(|end| end.kind == CommandEndKind::Fail);
     let next = fails.or(ends.last())?;
@@ -31,21 +34,49 @@ fn fix(command: &Unit, motion: &str) -> Option<Fix> {
     };
     let title = "end the command when the motion has stopped";
     // The span is that of the name: the keyword before it becomes that of the new result.
-    let text = format!("{STOPPED} when {motion}.{STOPPED};\n  {keyword} ");
+    let text = format!("{STOPPED} when {condition};\n  {keyword} ");
     Some(Fix::maybe(title).insert_before(next.span, text))
 }
 
-/// Name of the only call in the body of a command with an output `stopped`, if the command has no flow of that name.
-fn stopping_motion<'u>(units: &'u [Unit], command: &'u Unit) -> Option<&'u str> {
+/// Returns the condition under which one of the motions of a command has stopped, such as `way.stopped`. The output of
+/// a motion in a fragment is absent while the fragment is inactive, and counts as false then. Returns `None` if there
+/// is no motion, or if the command has a flow named `stopped`.
+fn stopped_condition(units: &[Unit], command: &Unit) -> Option<String> {
     if command.flows.iter().any(|flow| flow.name == *STOPPED) {
         return None;
     }
-    let equations = &command.block(BlockId::ROOT).equations;
-    let mut motions = equations
-        .iter()
-        .filter_map(|equation| motion(units, command, equation));
-    let only = motions.next();
-    only.filter(|_| motions.next().is_none())
+    let mut outputs: Vec<String> = Vec::new();
+    for (index, block) in (0..).zip(&command.blocks) {
+        let path = block_path(command, BlockId(index));
+        let motions = block
+            .equations
+            .iter()
+            .filter_map(|equation| motion(units, command, equation));
+        outputs.extend(motions.map(|motion| match path.is_empty() {
+            true => format!("{motion}.{STOPPED}"),
+            false => format!("({path}{motion}.{STOPPED} ?? false)"),
+        }));
+    }
+    match &outputs[..] {
+        [] => None,
+        [only] => Some(only.trim_matches(['(', ')']).to_owned()),
+        several => Some(several.join(" or ")),
+    }
+}
+
+/// Returns the names of the fragments and states around the equations of a block, each followed by a dot; an empty text
+/// for the body of the command itself.
+fn block_path(command: &Unit, block: BlockId) -> String {
+    let mut path = String::new();
+    let mut next = Some(block);
+    while let Some(id) = next {
+        let block = command.block(id);
+        if !block.name.is_empty() {
+            path.insert_str(0, &format!("{}.", block.name));
+        }
+        next = block.parent;
+    }
+    path
 }
 
 fn motion<'u>(units: &[Unit], command: &'u Unit, equation: &Equation) -> Option<&'u str> {

@@ -22,24 +22,24 @@ use crate::roots;
 use crate::task::Task;
 use crate::violation;
 
-/// Result of compiling a file.
+/// Result of compiling a file: its nets or its image, its tasks and tests, and the diagnostics.
 #[derive(Debug)]
 pub struct Compiled {
-    /// Source texts that the diagnostics refer to.
+    /// Source texts to which the locations in the diagnostics refer.
     pub sources: SourceMap,
-    /// Diagnostics, in the order of the stages.
+    /// Errors, warnings and notes of all compiler stages, in the order of the stages.
     pub diagnostics: Vec<Diagnostic>,
-    /// Commands that can be run.
+    /// Commands that can be run, as nets or as an image.
     pub program: Program,
-    /// Tasks of the program: which command follows which.
+    /// Tasks of the program, each with its plan: which command follows which result.
     pub tasks: Vec<Task>,
-    /// Commands that can only run with the arguments given by a task.
+    /// Commands with parameters that have no value, which only a task can run, with arguments.
     pub unbound: Vec<UnboundCommand>,
-    /// Tests of the program.
+    /// Tests of the program, each with its net.
     pub tests: Vec<Test>,
-    /// Summary of the analyses of each command and node, if requested.
+    /// Summary of the analyses of each command, node and task; empty unless requested.
     pub summaries: Vec<AnalysisSummary>,
-    /// Coverage points, if requested.
+    /// Fragments, branches and transitions of the program that a coverage measurement counts; empty unless requested.
     pub coverage_points: Vec<CoveragePoints>,
 }
 
@@ -49,25 +49,27 @@ pub struct Compiled {
 pub struct UnboundCommand {
     /// Name of the command.
     pub command: String,
-    /// Parameters without a value, as declared: `to: Pose`.
+    /// Parameters without a value, as they are declared, such as `to: Pose`.
     pub params: Vec<String>,
 }
 
-/// Choices for the compilation of a program: contracts, reports and limits.
+/// Options for the compilation of a program: treatment of claims, reports, file access and period.
 #[derive(Clone, Copy, PartialEq, Eq, Default, Debug)]
 pub struct CompileOptions {
-    /// Treatment of assertions and contracts in the compiled nets.
+    /// Treatment of claims (assertions and contracts) in the compiled nets: left out, exported, or checked with a
+    /// fault.
     pub claims: ClaimPolicy,
-    /// Whether to summarise the results of the analyses.
+    /// Whether to return a summary of the analyses of each command, node and task.
     pub summaries: bool,
-    /// Whether to report all operations that can fault at run time.
+    /// Whether to return all operations that can fault at run time.
     pub faults: bool,
-    /// Whether to return the coverage points.
+    /// Whether to return the coverage points: the fragments, branches and transitions that a coverage measurement
+    /// counts.
     pub marks: bool,
-    /// Whether the text comes from a client that may not read files of this machine. Other files are not searched for
-    /// then.
+    /// Whether the text comes from a client that must not read files of this machine. Then included files and modules
+    /// are not searched for in folders.
     pub no_files: bool,
-    /// Period of a cycle in ns; default: that of the machine.
+    /// Period of a cycle in nanoseconds, for the check of time budgets; `None` for that of the machine description.
     pub period_ns: Option<u64>,
 }
 
@@ -84,16 +86,16 @@ impl From<ClaimPolicy> for CompileOptions {
     }
 }
 
-/// Commands that can be run.
+/// Commands of a compiled file.
 #[derive(Debug)]
 pub enum Program {
-    /// Commands as nets; only those without errors.
+    /// Commands as nets, compiled from a program or a net; only those without errors.
     Nets(Vec<AnalysedNet>),
-    /// Command compiled earlier.
+    /// A single command that was compiled to an image earlier.
     Image(Box<Image>),
 }
 
-/// Compiles a file up to checked nets, without assertions and contracts.
+/// Compiles a file to nets on which all passes have run. Assertions and contracts are left out of the nets.
 ///
 /// # Errors
 /// If the content does not match the kind of the file. Errors in a program are diagnostics instead.
@@ -101,7 +103,7 @@ pub fn compile(input: &Input) -> Result<Compiled, InputError> {
     compile_with(input, ClaimPolicy::Off)
 }
 
-/// Compiles a file up to checked nets, with options.
+/// Compiles a file to nets on which all passes have run, with options.
 ///
 /// # Errors
 /// If the content does not match the kind of the file. Errors in a program are diagnostics instead.
@@ -149,8 +151,9 @@ fn program(input: &Input, text: &str, options: CompileOptions) -> Result<Compile
     })
 }
 
-/// Compiles an example in the doc comments of a program ([`examples`](crate::examples)). The example is a separate
-/// program that imports the surrounding program implicitly. Diagnostics refer to the location of the example.
+/// Compiles an example in the doc comments of a program. `lines` are the byte ranges of its lines, as
+/// [`examples`](crate::examples) returns them. The example is a separate program that imports the surrounding program
+/// implicitly. Diagnostics refer to the location of the example.
 ///
 /// # Errors
 /// If the program is not text.
@@ -221,7 +224,8 @@ fn net(input: &Input, text: &str) -> Compiled {
     }
 }
 
-/// Runs the passes on a net. Returns the analysed net, or `None` if they reported errors.
+/// Runs the compiler passes on a net and adds their diagnostics and summary. Returns the analysed net, or `None` if the
+/// passes reported errors.
 fn analyse_net(
     net: Net,
     diagnostics: &mut Vec<Diagnostic>,
@@ -248,7 +252,7 @@ pub(crate) fn display(path: &Path) -> String {
 }
 
 impl Compiled {
-    /// Returns whether there is an error, which prevents the program from running.
+    /// Returns whether the diagnostics contain an error, which prevents the program from running.
     #[must_use]
     pub fn has_errors(&self) -> bool {
         self.diagnostics
@@ -256,7 +260,7 @@ impl Compiled {
             .any(|f| f.severity() == Severity::Error)
     }
 
-    /// Returns the commands that can be run.
+    /// Returns the commands as nets; an empty list for an image.
     #[must_use]
     pub fn nets(&self) -> &[AnalysedNet] {
         match &self.program {

@@ -8,24 +8,25 @@ use rpi_syntax::ast::{
 
 use crate::modules::Modules;
 
-/// Node, function or fragment with its coverage points, identified by source locations.
+/// Coverage points of a node, function or top-level fragment: the parts that a coverage measurement counts, by source
+/// location.
 #[derive(Clone, PartialEq, Debug)]
 pub struct CoveragePoints {
-    /// Kind and name: `node Gate`.
+    /// Kind and name of the declaration, such as `node Gate`.
     pub label: String,
-    /// Location of the name.
+    /// Location of the name in the declaration of the node, function or fragment.
     pub span: Span,
-    /// Whether the unit is declared in the program itself, not in an imported module.
+    /// Whether the declaration is in the program itself, not in an imported module.
     pub is_own: bool,
-    /// Number of fragments and states.
+    /// Number of fragments and automaton states in the declaration.
     pub fragments: usize,
-    /// Locations of the `if` expressions, in source order.
+    /// Locations of the `if` expressions in the declaration, in source order.
     pub choices: Vec<Span>,
-    /// Locations of the transitions, in source order.
+    /// Locations of the automaton transitions in the declaration, in source order.
     pub transitions: Vec<Span>,
 }
 
-/// Returns the coverage points of a program and of the modules that it imports.
+/// Returns the coverage points of each node, function and fragment of a program and of the modules that it imports.
 pub(crate) fn coverage_points(modules: &Modules) -> Vec<CoveragePoints> {
     let own = modules.own_items().count();
     let items = modules.items().enumerate();

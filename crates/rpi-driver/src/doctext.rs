@@ -9,10 +9,10 @@ use rpi_diag::{Code, Diagnostic, SourceMap, Span};
 use rpi_sema::query::Index;
 use rpi_syntax::{CommentKind, Dialect, SourceTokenKind, source_tokens};
 
-/// Line of a doc comment: the byte range of its text, after `--|` and one space.
+/// Line of a doc comment: the byte range of its text in the file, after `--|` and one space.
 type Line = Range<usize>;
 
-/// Returns the doc comments of a text, each as the ranges of its consecutive lines.
+/// Returns the doc comments of a program text in the language `mode`, each as the byte ranges of its consecutive lines.
 #[must_use]
 pub fn doc_blocks(text: &str, mode: Dialect) -> Vec<Vec<Range<usize>>> {
     let mut blocks: Vec<Vec<Line>> = Vec::new();
@@ -37,7 +37,8 @@ pub fn doc_blocks(text: &str, mode: Dialect) -> Vec<Vec<Range<usize>>> {
     blocks
 }
 
-/// Returns the examples of a text, each as the byte ranges of its lines.
+/// Returns the examples in the doc comments of a program text in the language `mode`, each as the byte ranges of its
+/// lines.
 #[must_use]
 pub fn examples(text: &str, mode: Dialect) -> Vec<Vec<Range<usize>>> {
     let mut found = Vec::new();
@@ -60,8 +61,8 @@ pub fn examples(text: &str, mode: Dialect) -> Vec<Vec<Range<usize>>> {
     found
 }
 
-/// Returns a text of the same length in which everything but the example is blank, so that locations in the example are
-/// locations in the original text.
+/// Returns a text of the same length in which everything but the example with these lines is blank, so that locations
+/// in the example are locations in the original text.
 #[must_use]
 pub(crate) fn example_text(text: &str, lines: &[Range<usize>]) -> String {
     let mut out = String::with_capacity(text.len());
@@ -79,7 +80,8 @@ fn blank(byte: u8) -> char {
     if byte == b'\n' { '\n' } else { ' ' }
 }
 
-/// Returns the names that a doc comment links to, with their byte ranges. Links in fenced blocks are ignored.
+/// Returns the names to which a doc comment links, written in brackets and backquotes, with their byte ranges. Links in
+/// fenced blocks are ignored.
 pub fn doc_links(doc: &str) -> impl Iterator<Item = (Range<usize>, &str)> {
     let mut start = 0;
     let mut fenced = false;
@@ -100,7 +102,8 @@ pub fn doc_links(doc: &str) -> impl Iterator<Item = (Range<usize>, &str)> {
     })
 }
 
-/// Returns the diagnostics of links in the first text that have no target.
+/// Returns a diagnostic for each link in the doc comments of the first file whose name is undefined. `index` computes
+/// the index of all definitions, if the file has links.
 pub(crate) fn broken_links(
     sources: &SourceMap,
     mode: Dialect,
@@ -127,8 +130,8 @@ pub(crate) fn broken_links(
     diagnostics
 }
 
-/// Largest number of names compared for "did you mean" suggestions, summed over all links. It bounds the time for a
-/// text with many broken links.
+/// Maximum number of names that are compared for "did you mean" suggestions, summed over all undefined links. The limit
+/// bounds the time for a text with many of them.
 const SUGGESTION_BUDGET: usize = 200_000;
 
 fn broken_link(index: &Index, span: Span, name: &str, budget: &mut usize) -> Diagnostic {
@@ -143,7 +146,8 @@ fn broken_link(index: &Index, span: Span, name: &str, budget: &mut usize) -> Dia
     match rpi_diag::suggest(name, names) {
         Some(near) => diagnostic
             .fix(rpi_diag::Fix::maybe(format!("did you mean `{near}`?")).replace(span, near)),
-        None => diagnostic.help("for a name without a declaration, omit the brackets: `name`"),
+        None => diagnostic
+            .help("correct the name, or omit the brackets for a name without a declaration"),
     }
 }
 

@@ -4,7 +4,7 @@ use std::fmt;
 
 const UNITS: &[(&str, f64)] = &[("ns", 1.0), ("us", 1e3), ("ms", 1e6), ("s", 1e9)];
 
-/// Text that is not a duration, with the reason.
+/// Error: a text is not a duration. It has the reason.
 #[derive(Clone, PartialEq, Eq, Debug)]
 pub struct DurationError(String);
 
@@ -16,7 +16,8 @@ impl fmt::Display for DurationError {
 
 impl std::error::Error for DurationError {}
 
-/// Parses a positive duration, a number with a unit. Returns it in ns.
+/// Parses a positive duration, a number with one of the units ns, us, ms and s, as in `0.5s`. Returns it in
+/// nanoseconds.
 ///
 /// # Errors
 /// If the unit is missing or unknown, or the number is invalid, not positive or longer than a year.
@@ -38,7 +39,7 @@ pub fn parse_duration(text: &str) -> Result<u64, DurationError> {
     }
 }
 
-/// Formats a duration with the largest unit in which it is at least 1.
+/// Formats a duration in nanoseconds with the largest of the units ns, us, ms and s in which it is at least 1.
 #[must_use]
 pub fn format_duration(nanos: u64) -> String {
     let mut fitting = UNITS

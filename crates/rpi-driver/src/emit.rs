@@ -14,7 +14,7 @@ use crate::input::{Input, InputError};
 use crate::lowering::{LowerError, lower};
 use crate::modules::Modules;
 
-/// Returns the tokens of a program, one per line.
+/// Returns the tokens of a program as text, one per line.
 ///
 /// # Errors
 /// If the file is not text.
@@ -22,7 +22,7 @@ pub fn tokens(input: &Input) -> Result<String, InputError> {
     Ok(rpi_syntax::dump_tokens(input.text()?, mode(input)))
 }
 
-/// Returns the syntax tree of a program.
+/// Returns the syntax tree of a program as text.
 ///
 /// # Errors
 /// If the file is not text.
@@ -34,7 +34,8 @@ pub fn ast(input: &Input) -> Result<String, InputError> {
     Ok(rpi_syntax::dump_ast(&parse.file, Parens::Keep))
 }
 
-/// Returns the typed units of a program, including those of the imported modules.
+/// Returns the nodes, commands and other units of a program after type checking as text, including those of the
+/// imported modules.
 ///
 /// # Errors
 /// If the file is not text.
@@ -63,7 +64,7 @@ fn mode(input: &Input) -> Dialect {
     Dialect::from_path(&input.path.display().to_string())
 }
 
-/// Returns the order of evaluation of a net: one line per primitive, indented by fragment.
+/// Returns the order of evaluation of a net as text: one line per primitive, indented by fragment.
 #[must_use]
 pub fn schedule(net: &AnalysedNet) -> String {
     let mut out = String::new();
@@ -85,15 +86,15 @@ pub fn schedule(net: &AnalysedNet) -> String {
     out
 }
 
-/// Returns the net in the text format of the reference system, and diagnostics for the parts that this format cannot
-/// represent.
+/// Returns the net in the text format `.rpinet` of the Robotics API, and diagnostics for the parts that this format
+/// cannot represent.
 #[must_use]
 pub fn rpinet(net: &AnalysedNet) -> (String, Vec<Diagnostic>) {
     let (net, diagnostics) = rpi_net::rpinet::results_to_ports(net.analysis());
     (rpi_net::rpinet::write(&net), diagnostics)
 }
 
-/// Returns the image of a net as text, one line per step.
+/// Returns the image of a net as text, one line per step. `period_ns` is the period of a cycle in nanoseconds.
 ///
 /// # Errors
 /// If the net cannot be lowered.
@@ -103,7 +104,7 @@ pub fn image(net: &AnalysedNet, period_ns: u64) -> Result<String, LowerError> {
     Ok(rpi_image::text::print(&image, &catalogue))
 }
 
-/// Returns the net as C99 source.
+/// Returns the net as C99 source. `period_ns` is the period of a cycle in nanoseconds.
 ///
 /// # Errors
 /// One diagnostic per type of primitive that is not supported in C.
@@ -111,7 +112,8 @@ pub fn c(net: &AnalysedNet, period_ns: u64) -> Result<String, Vec<Diagnostic>> {
     rpi_lower::emit_c(net, &net.plan(), &LowerOptions::running(period_ns))
 }
 
-/// Returns a net as a Lustre node, and diagnostics for the primitives that became inputs.
+/// Returns a net as the source of a Lustre node, and diagnostics for the primitives that became inputs of the node.
+/// `boundary` describes the inputs and outputs of the node; `period_ns` is the period of a cycle in nanoseconds.
 #[must_use]
 pub fn lustre(
     net: &AnalysedNet,

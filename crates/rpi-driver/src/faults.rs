@@ -3,23 +3,24 @@
 
 use std::collections::BTreeSet;
 
-use rpi_diag::{Code, Diagnostic, SourceMap, Span};
+use rpi_diag::{Code, Diagnostic, Quote, SourceMap, Span};
 use rpi_net::passes::{Analysis, FaultKind, PossibleFault, possible_faults};
 use rpi_sema::elab::LazyOperand;
 
-/// Operation that was not proved free of faults.
+/// Location of an operation that can fault at run time, because the compiler could not prove the contrary.
 #[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Debug)]
 pub struct FaultLocation {
-    /// Location of the operation.
+    /// Location of the operation in the source.
     pub span: Span,
-    /// Cause of the fault, such as an overflow or an index outside of its array.
+    /// Kind of fault, such as an overflow or an index outside of its array.
     pub kind: FaultKind,
-    /// Whether the operation is in a branch that is evaluated only in the cycles in which its result is needed.
+    /// Whether the operation is in a branch that is evaluated only in the cycles in which the result of the branch is
+    /// needed.
     pub guarded: bool,
 }
 
 impl FaultLocation {
-    /// Returns a description of the fault.
+    /// Returns a description of the possible fault.
     #[must_use]
     pub fn text(&self) -> String {
         match self.guarded {
@@ -29,7 +30,7 @@ impl FaultLocation {
     }
 }
 
-/// Returns the operations of a net that can fault.
+/// Returns the operations of a net that can fault at run time; an empty list if the net has no order of evaluation.
 pub(crate) fn faults_of_net(analysis: &Analysis) -> Vec<PossibleFault> {
     let schedule = analysis.schedule.as_ref();
     schedule.map_or_else(Vec::new, |schedule| {
@@ -37,7 +38,7 @@ pub(crate) fn faults_of_net(analysis: &Analysis) -> Vec<PossibleFault> {
     })
 }
 
-/// Returns the locations of the operations, without duplicates, in source order.
+/// Returns the source locations of operations that can fault, without duplicates, in source order.
 pub(crate) fn locations(found: &[PossibleFault]) -> BTreeSet<FaultLocation> {
     let place = |one: &PossibleFault| FaultLocation {
         span: one.span,
@@ -47,7 +48,8 @@ pub(crate) fn locations(found: &[PossibleFault]) -> BTreeSet<FaultLocation> {
     found.iter().map(place).collect()
 }
 
-/// Returns the summary of the operations that can fault: their number, and one line per location.
+/// Returns lines of a summary about operations that can fault: their number, and one line per location. Each line has
+/// the name of the analysis and a text.
 pub(crate) fn lines(found: &[PossibleFault], sources: &SourceMap) -> Vec<(&'static str, String)> {
     let places = locations(found);
     let count = match places.len() {
@@ -64,8 +66,8 @@ pub(crate) fn lines(found: &[PossibleFault], sources: &SourceMap) -> Vec<(&'stat
     std::iter::once(("faults", count)).chain(all).collect()
 }
 
-/// Returns warnings about operations that can fault in operands that are not always needed but have state, and are
-/// therefore evaluated in every cycle. One warning per operation.
+/// Returns warnings about operations that can fault in operands with state. The operators do not always need these
+/// operands, but must evaluate them in every cycle because of their state. There is one warning per operation.
 pub(crate) fn stateful_operand_warnings(
     operands: &[LazyOperand],
     found: &[PossibleFault],
@@ -89,10 +91,15 @@ pub(crate) fn stateful_operand_warnings(
 fn diagnostic(operand: &LazyOperand, fault: &PossibleFault) -> Diagnostic {
     let message =
         "this operand has state, so it is evaluated and can fault even when it is not needed";
+    let help = match operand.span.contains(fault.span) {
+        true => format!(
+            "write the condition around the operation: `if ... then {} else ...`",
+            Quote::text(fault.span)
+        ),
+        false => "write a condition around the operation in the node, or run the node only when it is needed: `(activate ... every ... initial default ...)(...)`".to_owned(),
+    };
     Diagnostic::new(Code::RPI3008, message)
         .primary(operand.span, "evaluated in every cycle")
         .secondary(fault.span, format!("can fault: {}", fault.kind))
-        .help(
-            "apply the condition to its inputs, or run it conditionally with `activate ... every`",
-        )
+        .help(help)
 }

@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-/// Source of file texts: the disk, or the unsaved documents of an editor.
+/// Source of the texts of program files: the disk, or the unsaved documents of an editor.
 pub trait FileLoader {
     /// Returns the text of a file; `None` if there is no such file or it is not text.
     fn text(&self, path: &Path) -> Option<String>;

@@ -8,11 +8,12 @@ use rpi_sema::ty::Ty;
 use rpi_sema::typed::{Expr, TypedKind};
 use std::cell::OnceCell;
 
-/// Untyped initial values with which the fixes of the passes begin, by machine type.
+/// Initial values of delays in the fixes of the compiler passes, which know only the machine type (real, integer or
+/// Boolean) of a flow.
 const UNTYPED_INITIAL_VALUES: &[&str] = &["0.0 -> ", "0 -> ", "false -> "];
 
-/// Gives the initial values in fixes the type of the expression that they precede. Fixes for types without literals are
-/// removed.
+/// Gives the initial values of delays in fixes the type of the expression that they precede, such as a physical unit or
+/// an enumeration value. Fixes for types without literals are removed.
 pub(crate) fn type_initial_values(diagnostics: &mut [Diagnostic], checked: &CheckedProgram) {
     let places = ExprIndex::of(checked);
     for diagnostic in diagnostics {
@@ -20,10 +21,11 @@ pub(crate) fn type_initial_values(diagnostics: &mut [Diagnostic], checked: &Chec
     }
 }
 
-/// Expressions of a program by location. They are sorted on first use.
+/// Expressions of a program by source location. They are sorted on first use.
 struct ExprIndex<'c> {
     checked: &'c CheckedProgram,
-    /// Sorted expressions, with copies of their locations so that sorting does not access the expressions.
+    /// Expressions with their locations, sorted by location. The copies of the locations let the sorting work without
+    /// access to the expressions.
     sorted: OnceCell<Vec<(Span, &'c Expr)>>,
 }
 
@@ -43,7 +45,7 @@ impl<'c> ExprIndex<'c> {
         })
     }
 
-    /// Returns the expressions that begin at the start of `place`, the shortest first.
+    /// Returns the expressions that begin where the location `place` begins, the shortest first.
     fn starting(&self, place: Span) -> impl Iterator<Item = &'c Expr> {
         let start = |span: Span| (span.file, span.start);
         let sorted = self.sorted();
@@ -54,7 +56,7 @@ impl<'c> ExprIndex<'c> {
     }
 }
 
-/// Removes the fixes that would change the standard library, which is embedded in the compiler.
+/// Removes the fixes that would change the text of the standard library, which is embedded in the compiler.
 pub(crate) fn remove_library_fixes(diagnostics: &mut [Diagnostic], sources: &SourceMap) {
     let is_library = |span: Span| is_library_path(sources.name(span.file));
     for diagnostic in diagnostics {
@@ -62,7 +64,7 @@ pub(crate) fn remove_library_fixes(diagnostics: &mut [Diagnostic], sources: &Sou
     }
 }
 
-/// Extends deletions that would leave a blank line to the whole line.
+/// Extends each deletion in a fix that would leave a blank line to the whole line.
 pub(crate) fn delete_whole_lines(diagnostics: &mut [Diagnostic], sources: &SourceMap) {
     let fixes = diagnostics
         .iter_mut()
@@ -72,7 +74,7 @@ pub(crate) fn delete_whole_lines(diagnostics: &mut [Diagnostic], sources: &Sourc
     }
 }
 
-/// Gives the initial value in a fix the type of the expression that it precedes. Returns false if the value cannot be
+/// Gives the initial values in a fix the type of the expressions that they precede. Returns false if a value cannot be
 /// written as a literal of that type.
 fn type_fix(fix: &mut Fix, places: &ExprIndex<'_>) -> bool {
     for pair in fix.edits.chunks_mut(2) {
@@ -84,8 +86,8 @@ fn type_fix(fix: &mut Fix, places: &ExprIndex<'_>) -> bool {
     insertions.all(|edit| type_edit(edit, places).is_some())
 }
 
-/// Changes the edits of a fix so that it inserts `pre x` instead of `pre (x)`, if the delayed expression is a single
-/// name.
+/// Changes the edits before and after an expression in a fix so that the fix inserts `pre x` instead of `pre (x)`, if
+/// the expression is a single name.
 fn remove_parentheses(before: &mut Edit, after: &mut Edit, places: &ExprIndex<'_>) {
     let (Some(head), Some(tail)) = (before.text.strip_suffix('('), after.text.strip_prefix(')'))
     else {
@@ -102,8 +104,8 @@ fn remove_parentheses(before: &mut Edit, after: &mut Edit, places: &ExprIndex<'_
     }
 }
 
-/// Gives the initial value in an edit the type of the expression that it precedes. Returns `None` if the value cannot
-/// be written as a literal of that type.
+/// Gives the initial value in an edit of a fix the type of the expression that it precedes. Returns `None` if the value
+/// cannot be written as a literal of that type.
 fn type_edit(edit: &mut Edit, places: &ExprIndex<'_>) -> Option<()> {
     let (open, rest) = match edit.text.strip_prefix('(') {
         Some(rest) => ("(", rest),
@@ -113,43 +115,14 @@ fn type_edit(edit: &mut Edit, places: &ExprIndex<'_>) -> Option<()> {
     if let Some(behind) = UNTYPED_INITIAL_VALUES.iter().find_map(begins)
         && let Some(ty) = type_at(edit.span, places)
     {
-        edit.text = format!("{open}{} -> {behind}", zero_literal(ty)?);
+        edit.text = format!("{open}{} -> {behind}", ty.zero_literal()?);
     }
     Some(())
 }
 
-/// Returns the type of the shortest expression of known type that begins at a location.
+/// Returns the type of the shortest expression of known type that begins where `place` begins; `None` if there is none.
 fn type_at<'c>(place: Span, places: &ExprIndex<'c>) -> Option<&'c Ty> {
     let mut here = places.starting(place);
     let known = here.find(|expr| !expr.ty.has_unknown());
     known.map(|expr| &expr.ty)
-}
-
-/// Returns a literal of the type for an initial value: zero for numbers, `false` for Booleans; `None` for types without
-/// literals.
-fn zero_literal(ty: &Ty) -> Option<String> {
-    match ty {
-        Ty::Bool => Some("false".to_owned()),
-        Ty::Int => Some("0".to_owned()),
-        Ty::Subrange(range) => Some(range.clamp(0).to_string()),
-        Ty::Real(dim) if *ty == Ty::REAL || dim.is_dimensionless() => Some("0.0".to_owned()),
-        Ty::Real(dim) => Some(format!("0[{dim}]")),
-        Ty::Duration => Some("0[s]".to_owned()),
-        Ty::Enum(values) => values.values.first().map(ToString::to_string),
-        Ty::Array(element, n) => Some(format!("{}^{n}", zero_literal(element)?)),
-        // The name of a generic instance contains its arguments and cannot be written in a program.
-        Ty::Struct(of) if !of.name.contains('<') => {
-            let fields = of.fields.iter();
-            let fields = fields.map(|field| {
-                Some(format!(
-                    "{} = {}",
-                    field.name.as_ref()?,
-                    zero_literal(&field.ty)?
-                ))
-            });
-            let fields: Option<Vec<String>> = fields.collect();
-            Some(format!("{}{{{}}}", of.name, fields?.join("; ")))
-        }
-        _ => None,
-    }
 }

@@ -3,7 +3,7 @@
 use rpi_net::{Activation, FragmentId, Input, Net, NodeId};
 use std::fmt::Write as _;
 
-/// Returns a net in the language of Graphviz.
+/// Returns a drawing of a net in the language of Graphviz: fragments as clusters, primitives as boxes, links as arrows.
 #[must_use]
 pub fn dot(net: &Net) -> String {
     let mut out = String::from(
@@ -44,7 +44,7 @@ pub fn dot(net: &Net) -> String {
     out
 }
 
-/// Returns a net in the language of Mermaid.
+/// Returns a drawing of a net in the language of Mermaid: fragments as subgraphs, primitives as boxes, links as arrows.
 #[must_use]
 pub fn mermaid(net: &Net) -> String {
     let mut out = String::from("flowchart LR\n");
@@ -63,7 +63,8 @@ pub fn mermaid(net: &Net) -> String {
     out
 }
 
-/// Notation of fragments, primitives and links in a drawing language (Graphviz or Mermaid).
+/// Notation of a drawing language (Graphviz or Mermaid): functions that write the beginning of a fragment and a
+/// primitive.
 struct GraphSyntax {
     open: fn(FragmentId, &str) -> String,
     close: &'static str,

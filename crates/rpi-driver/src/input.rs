@@ -4,16 +4,16 @@ use std::fmt;
 use std::io::ErrorKind;
 use std::path::{Path, PathBuf};
 
-/// Kind of a file, decided by its extension.
+/// Kind of an input file, determined by its extension.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub enum InputKind {
-    /// RPI program.
+    /// Program in the language RPI (`.rpi`).
     Rpi,
-    /// Lustre program.
+    /// Program in Lustre (`.lus`).
     Lustre,
-    /// Net in the text format of the reference system.
+    /// Net in the text format of the Robotics API (`.rpinet`).
     Rpinet,
-    /// Compiled image.
+    /// Image: the compiled form of a command (`.rpib`).
     Rpib,
 }
 
@@ -25,7 +25,7 @@ const KINDS: &[(&str, InputKind)] = &[
 ];
 
 impl InputKind {
-    /// Returns the kind of a file by its extension; a final `.gz` is ignored.
+    /// Returns the kind of a file by its extension; a final `.gz` is ignored. Returns `None` for an unknown extension.
     #[must_use]
     pub fn from_path(path: &Path) -> Option<InputKind> {
         let plain = name_without_gz(path);
@@ -37,22 +37,22 @@ impl InputKind {
 /// Input file of a tool, read and decompressed.
 #[derive(Clone, Debug)]
 pub struct Input {
-    /// Path as given by the user.
+    /// Path of the file, as given by the user.
     pub path: PathBuf,
-    /// Kind of the content.
+    /// Kind of the content, determined by the extension.
     pub kind: InputKind,
-    /// Content, decompressed.
+    /// Content of the file, decompressed.
     pub bytes: Vec<u8>,
 }
 
 impl Input {
-    /// Returns the file name without folders and extensions.
+    /// Returns the file name without folders and extensions, which is the name of the program or net.
     #[must_use]
     pub fn stem(&self) -> String {
         stem(&self.path)
     }
 
-    /// Returns the content as text.
+    /// Returns the content of the file as text.
     ///
     /// # Errors
     /// If it is not UTF-8; the message contains the line.
@@ -61,7 +61,7 @@ impl Input {
     }
 }
 
-/// Byte order marks of UTF-16.
+/// Bytes with which a file in UTF-16 begins (byte order marks).
 const UTF16: [&[u8]; 2] = [&[0xff, 0xfe], &[0xfe, 0xff]];
 
 /// Converts the content of a file to text.
@@ -82,11 +82,11 @@ pub fn utf8<'b>(path: &Path, bytes: &'b [u8]) -> Result<&'b str, InputError> {
 /// Error while reading an input file.
 #[derive(Clone, PartialEq, Eq, Debug)]
 pub struct InputError {
-    /// Path of the file.
+    /// Path of the file that cannot be read.
     pub path: PathBuf,
     /// Description of the error.
     pub message: String,
-    /// Suggestion, if there is one.
+    /// Suggestion for the user, such as a file with a similar name; `None` if there is none.
     pub help: Option<String>,
 }
 
@@ -149,8 +149,8 @@ pub(crate) fn stem(path: &Path) -> String {
     stem.unwrap_or(name)
 }
 
-/// Converts ISO 8859-1 to UTF-8 if the content is not UTF-8. Old Lustre programs use ISO 8859-1, in which each byte is
-/// the code point of its character.
+/// Returns the content as UTF-8, converted from ISO 8859-1 if it is not UTF-8. Old Lustre programs use ISO 8859-1, in
+/// which each byte is the code point of its character.
 fn as_unicode(bytes: Vec<u8>) -> Vec<u8> {
     match std::str::from_utf8(&bytes) {
         Ok(_) => bytes,
@@ -168,7 +168,7 @@ fn name_without_gz(path: &Path) -> String {
     name.strip_suffix(".gz").unwrap_or(&name).to_owned()
 }
 
-/// Returns the error for a file that cannot be read, with a suggestion.
+/// Returns the error for a file that cannot be read, with a suggestion for the user if possible.
 #[must_use]
 pub fn read_error(path: &Path, error: &std::io::Error) -> InputError {
     let (message, help) = match error.kind() {
@@ -186,7 +186,8 @@ pub fn read_error(path: &Path, error: &std::io::Error) -> InputError {
     }
 }
 
-/// Returns a suggestion: the existing file with the most similar name.
+/// Returns a suggestion for a file that does not exist: the existing file with the most similar name, or that the
+/// folder does not exist. Returns `None` if no name is similar.
 fn suggest_file(path: &Path) -> Option<String> {
     let folder = path.parent().filter(|p| !p.as_os_str().is_empty());
     let folder = folder.unwrap_or(Path::new("."));

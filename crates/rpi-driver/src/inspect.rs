@@ -22,12 +22,13 @@ use crate::input::stem;
 use crate::modules::Modules;
 use crate::roots::build_modules;
 
-/// Results of checking a program, which may have errors. Its main text is file 0.
+/// Results of checking a program for an editor, also if the program has errors. The text in the editor is file 0.
 #[derive(Debug)]
 pub struct Inspection {
-    /// Source texts that the diagnostics refer to. Those of the standard library are named `stdlib/....rpi`.
+    /// Source texts to which the locations in the diagnostics refer. Those of the standard library are named
+    /// `stdlib/....rpi`.
     pub sources: SourceMap,
-    /// Diagnostics of the inspected file and of the modules that it uses.
+    /// Diagnostics of the checked file and of the modules that it uses.
     pub diagnostics: Vec<Diagnostic>,
     modules: Modules,
     checked: CheckedProgram,
@@ -37,7 +38,8 @@ pub struct Inspection {
     faults: OnceCell<Vec<FaultLocation>>,
 }
 
-/// Checks a text with all stages. Other files are read through `files`. The extension of the path decides the language.
+/// Checks a program text with all compiler stages. `path` is the file of the text, whose extension determines the
+/// language; other files are read through `files`.
 #[must_use]
 pub fn inspect(path: &Path, text: &str, files: &dyn FileLoader) -> Inspection {
     let mut sources = SourceMap::new();
@@ -59,13 +61,13 @@ pub fn inspect(path: &Path, text: &str, files: &dyn FileLoader) -> Inspection {
 }
 
 impl Inspection {
-    /// Returns the language of the main text.
+    /// Returns the language (RPI or Lustre) of the checked text.
     #[must_use]
     pub fn mode(&self) -> Dialect {
         Dialect::from_path(self.sources.name(FileId(0)))
     }
 
-    /// Returns the declarations of the main module: those of its file and of the included files.
+    /// Returns the declarations of the main module: those of the checked text and of the files that it includes.
     pub fn own_items(&self) -> impl Iterator<Item = &Item> {
         self.modules.own_items()
     }
@@ -81,8 +83,8 @@ impl Inspection {
         self.index.get_or_init(index)
     }
 
-    /// Returns the distinct types of a flow definition: several if it is checked for several static arguments, none if
-    /// checking did not reach it.
+    /// Returns the distinct types of a flow, given by its definition. There are several if the flow is checked for
+    /// several static arguments, and none if checking did not reach it.
     #[must_use]
     pub fn types_of(&self, def: &Def) -> &[FlowType] {
         let flows = || with_large_stack(|| flow_types(&self.checked.units, self.facts()));
@@ -90,19 +92,21 @@ impl Inspection {
         found.map_or(&[], Vec::as_slice)
     }
 
-    /// Returns the distinct types of a name at a use.
+    /// Returns the distinct types of a flow at the location of a use of its name.
     #[must_use]
     pub fn types_of_read(&self, name: Span) -> Vec<FlowType> {
         with_large_stack(|| read_types(&self.checked.units, self.facts(), name))
     }
 
-    /// Returns the smallest expression that contains a position, and its types.
+    /// Returns the location and the types of the smallest expression that contains the byte at `offset` in a file;
+    /// `None` if no expression contains it.
     #[must_use]
     pub fn type_around(&self, file: FileId, offset: u32) -> Option<(Span, Vec<FlowType>)> {
         with_large_stack(|| type_at(&self.checked.units, self.facts(), file, offset))
     }
 
-    /// Returns the faults of the smallest operation that contains a position and can fault at run time.
+    /// Returns the possible faults of the smallest operation that can fault at run time and contains the byte at
+    /// `offset` in a file.
     pub fn faults_around(&self, file: FileId, offset: u32) -> Vec<FaultLocation> {
         let is_around = |one: &&FaultLocation| {
             one.span.file == file && one.span.start <= offset && offset < one.span.end
@@ -114,8 +118,8 @@ impl Inspection {
         all.copied().collect()
     }
 
-    /// Returns all operations that can fault. They are computed on first use, because that requires the later stages to
-    /// run again.
+    /// Returns all operations that can fault at run time. They are computed on first use, because the later compiler
+    /// stages must run again for them.
     fn faults(&self) -> &[FaultLocation] {
         let options = CompileOptions {
             faults: true,
@@ -129,7 +133,7 @@ impl Inspection {
         self.faults.get_or_init(faults)
     }
 
-    /// Returns the top-level declaration that contains a location.
+    /// Returns the top-level declaration that contains a source location; `None` if no declaration contains it.
     #[must_use]
     pub fn item_around(&self, place: Span) -> Option<&Item> {
         self.modules.items().find(|item| item.span.contains(place))

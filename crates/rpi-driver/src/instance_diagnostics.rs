@@ -6,29 +6,31 @@ use rpi_diag::{Code, Diagnostic, Span};
 use rpi_net::passes::{is_endless, is_unreachable};
 use rpi_sema::typed::UnitId;
 
-/// Instance of a command for the arguments of a task: its name, and the location of the call. `None` for the unit with
-/// its default arguments.
+/// Instance of a command for the arguments of a task: its name, such as `MoveTo(arm, home)`, and the location of the
+/// call. `None` stands for the command, node or test with its default arguments.
 type InstanceCall = Option<(String, Span)>;
 
-/// Diagnostics by instance. A unit has one instance with its default arguments, and one for each argument list of the
-/// tasks.
+/// Diagnostics of each net that was compiled from a unit (a node, command or test): one net for the default arguments,
+/// and one for each argument list of the tasks.
 #[derive(Default)]
 pub(crate) struct InstanceDiagnostics(Vec<(UnitId, InstanceCall, Vec<Diagnostic>)>);
 
-/// Key by which equal diagnostics of several instances are merged.
+/// Key by which equal diagnostics of several instances of a unit are merged: the unit, the code and the location.
 type Key = (UnitId, Code, Span);
 
 impl InstanceDiagnostics {
-    /// Adds an instance of a unit and returns the list to which its diagnostics are added.
+    /// Adds an instance of a unit (a node, command or test) and returns the list to which its diagnostics must be
+    /// added.
     pub(crate) fn add_instance(&mut self, unit: UnitId, run: InstanceCall) -> &mut Vec<Diagnostic> {
         self.0.push((unit, run, Vec::new()));
         let at = self.0.len() - 1;
         &mut self.0[at].2
     }
 
-    /// Merges the diagnostics of all instances. A diagnostic about unused or unreachable text is kept only if all
-    /// instances of the unit report it, because the text may be used for other arguments. An error of some instances
-    /// only is kept, with labels at the calls of these instances.
+    /// Merges the diagnostics of all instances of each unit (a node, command or test). A diagnostic about unused or
+    /// unreachable text remains only if all instances report it, because the text may be used for other arguments. An
+    /// error about an endless command that only some instances report remains, with labels at the calls of these
+    /// instances.
     pub(crate) fn merge(self) -> Vec<Diagnostic> {
         let mut nets: BTreeMap<UnitId, usize> = BTreeMap::new();
         let mut runs: BTreeMap<Key, Vec<InstanceCall>> = BTreeMap::new();
@@ -55,11 +57,11 @@ impl InstanceDiagnostics {
     }
 }
 
-/// Largest number of instances shown in one diagnostic.
+/// Maximum number of instances whose calls are shown in one diagnostic.
 const MAX_INSTANCES_SHOWN: usize = 3;
 
-/// Adds labels for the instances to a diagnostic; returns `None` if the diagnostic is equal to one that was already
-/// reported.
+/// Adds labels at the calls of the instances that report a diagnostic. Returns `None` if `runs` is empty, because an
+/// equal diagnostic was already returned for these instances.
 fn with_instance_labels(diagnostic: Diagnostic, runs: Vec<InstanceCall>) -> Option<Diagnostic> {
     if runs.is_empty() {
         return None;
@@ -70,7 +72,8 @@ fn with_instance_labels(diagnostic: Diagnostic, runs: Vec<InstanceCall>) -> Opti
     }))
 }
 
-/// Returns the code and the place of each diagnostic that depends on all instances of its unit, without duplicates.
+/// Returns code and location of those diagnostics whose meaning depends on all instances of the unit, without
+/// duplicates: unused or unreachable text, and commands that never end.
 fn places_to_compare(found: &[Diagnostic]) -> BTreeSet<(Code, Span)> {
     let compared = found
         .iter()
@@ -78,7 +81,7 @@ fn places_to_compare(found: &[Diagnostic]) -> BTreeSet<(Code, Span)> {
     compared.map(|f| (f.code, f.span())).collect()
 }
 
-/// Returns whether a diagnostic is about unused or unreachable text.
+/// Returns whether a diagnostic reports unused or unreachable text.
 fn is_about_unused_text(diagnostic: &Diagnostic) -> bool {
     is_unreachable(diagnostic) || diagnostic.code.is_unnecessary()
 }

@@ -6,7 +6,8 @@ use rpi_lower::LowerOptions;
 
 use crate::analysed_net::AnalysedNet;
 
-/// Lowers a checked net for execution: only the outputs of the command can be observed.
+/// Lowers a net to an image for execution: only its exports can be observed. `period_ns` is the period of a cycle in
+/// nanoseconds.
 ///
 /// # Errors
 /// If the net is too large.
@@ -14,19 +15,22 @@ pub fn lower_for_execution(net: &AnalysedNet, period_ns: u64) -> Result<Image, L
     lower(net, &LowerOptions::running(period_ns))
 }
 
-/// Like [`lower_for_execution`], and also returns the work bound of a cycle in elementary operations. Of mutually exclusive
+/// Lowers a net to an image for execution: only its exports can be observed. `period_ns` is the period of a cycle in
+/// nanoseconds. Also returns the upper bound on the work of a cycle in elementary operations; of mutually exclusive
 /// fragments only the most expensive counts.
 ///
 /// # Errors
-/// As [`lower_for_execution`].
+/// If the net is too large.
 pub fn lower_with_work(net: &AnalysedNet, period_ns: u64) -> Result<(Image, u64), LowerError> {
     lower_for_tick(net, period_ns, period_ns)
 }
 
-/// Like [`lower_with_work`] for a core whose tick, in ns, is shorter than the period.
+/// Lowers a net to an image for execution on a core whose tick (`tick_ns`) may be shorter than the period of the
+/// command (`period_ns`), both in nanoseconds. Also returns the upper bound on the work of a cycle in elementary
+/// operations.
 ///
 /// # Errors
-/// As [`lower_for_execution`].
+/// If the net is too large.
 pub fn lower_for_tick(
     net: &AnalysedNet,
     period_ns: u64,
@@ -36,7 +40,7 @@ pub fn lower_for_tick(
     lower(net, &options).map(|image| (image, net.work_bound()))
 }
 
-/// Lowers a checked net for observation: every port can be observed.
+/// Lowers a net to an image in which every port can be observed. `period_ns` is the period of a cycle in nanoseconds.
 ///
 /// # Errors
 /// If the net is too large.
@@ -44,7 +48,7 @@ pub fn lower_for_observation(net: &AnalysedNet, period_ns: u64) -> Result<Image,
     lower(net, &LowerOptions::observed(period_ns))
 }
 
-/// Lowers a checked net.
+/// Lowers a net to an image. `options` set the period, the tick and the ports that can be observed.
 pub(crate) fn lower(net: &AnalysedNet, options: &LowerOptions<'_>) -> Result<Image, LowerError> {
     rpi_lower::lower(net, &net.plan(), options)
 }

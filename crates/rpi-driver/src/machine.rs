@@ -18,7 +18,7 @@ use crate::input::InputError;
 /// File name of the machine description.
 pub const MACHINE: &str = "machine.toml";
 
-/// Help text of errors: the required content of a machine description.
+/// Help text for errors in a machine description, which states the required content.
 const FORMAT_HELP: &str = "required is `ns-per-operation` above 0, optional is `period-us` above 0; `rpic machine` writes such a file";
 
 #[derive(Deserialize)]
@@ -28,7 +28,8 @@ struct Profile {
     period_us: Option<u64>,
 }
 
-/// Returns the machine description of a folder, or the default if the folder has none.
+/// Reads the description of the machine (`machine.toml`) in a folder, from which time budgets are checked. Returns the
+/// default if the folder has none.
 ///
 /// # Errors
 /// If the file exists but is invalid.
@@ -50,7 +51,7 @@ pub(crate) fn load_machine(
         })
 }
 
-/// Machine description that cannot be read, with the reason.
+/// Error: a machine description cannot be read. It has the reason.
 #[derive(Clone, PartialEq, Eq, Debug)]
 pub struct MachineError(String);
 
@@ -62,7 +63,7 @@ impl fmt::Display for MachineError {
 
 impl std::error::Error for MachineError {}
 
-/// Reads a machine description, in the format of [`machine_text`].
+/// Reads a machine description: the time of an elementary operation and the period of a cycle.
 ///
 /// # Errors
 /// If the file cannot be read or is invalid.
@@ -72,7 +73,7 @@ pub fn read_machine(path: &Path) -> Result<MachineProfile, MachineError> {
     parse(&text).map_err(|why| MachineError(format!("{name}: {why}: {FORMAT_HELP}")))
 }
 
-/// Parses a machine description; the error is a message.
+/// Parses the text of a machine description; the error is a message.
 fn parse(text: &str) -> Result<MachineProfile, String> {
     let no_machine = |why: &str| format!("invalid machine description{why}");
     let profile: Profile = toml::from_str(text).map_err(|e| {
@@ -93,7 +94,7 @@ fn parse(text: &str) -> Result<MachineProfile, String> {
     sound.then_some(machine).ok_or_else(|| no_machine(""))
 }
 
-/// Returns the text of a machine description.
+/// Returns the text of a machine description with this worst-case time of an elementary operation in nanoseconds.
 #[must_use]
 pub fn machine_text(ns_per_operation: f64) -> String {
     format!(

@@ -16,7 +16,7 @@ use crate::input::InputError;
 use crate::machine::load_machine;
 use crate::program::SourceText;
 
-/// Module of the standard library.
+/// Module of the standard library: its name and its source text.
 struct Library {
     name: &'static str,
     text: &'static str,
@@ -34,9 +34,10 @@ macro_rules! library {
     };
 }
 
-/// Standard library. A test checks that every file of it is listed.
+/// Modules of the standard library. A test checks that every file of the library is listed.
 const LIBRARY: &[Library] = &[
     library!("control", false),
+    library!("devices", false),
     library!("filters", false),
     library!("geometry", true),
     library!("io", false),
@@ -46,7 +47,7 @@ const LIBRARY: &[Library] = &[
     library!("timers", false),
 ];
 
-/// Module that a `use` has loaded: its name and its parsed files.
+/// Module of a program: its name and its parsed files.
 #[derive(Debug)]
 struct Module {
     name: String,
@@ -55,20 +56,20 @@ struct Module {
     implicit: bool,
 }
 
-/// Parsed modules of a program.
+/// Parsed modules of a program, the main module first, and the machine description.
 #[derive(Debug)]
 pub(crate) struct Modules {
     modules: Vec<Module>,
-    /// Machine for which the program is checked.
+    /// Machine for which the program is checked: the time of an elementary operation and the period of a cycle.
     pub(crate) machine: MachineProfile,
-    /// Error in the machine description; the default machine is used then.
+    /// Error in the machine description; `None` if there is none. With an error, `machine` is the default.
     pub(crate) machine_error: Option<InputError>,
     pub(crate) diagnostics: Vec<Diagnostic>,
 }
 
 impl Modules {
-    /// Parses a program and all modules that it needs. Modules are searched for in `folder`, then in the standard
-    /// library.
+    /// Parses the program text of the file `path` and all modules that it needs. Modules are searched for in `folder`
+    /// (`None` for a text without a folder), then in the standard library.
     pub(crate) fn load(
         name: &str,
         path: &str,
@@ -83,7 +84,8 @@ impl Modules {
         loader.finish(mode)
     }
 
-    /// Parses an example in the documentation of a module. The example imports the module implicitly.
+    /// Parses an example in the documentation of the module `of`, as a separate program that imports the module
+    /// implicitly.
     pub(crate) fn load_example(
         example: &str,
         of: &SourceText<'_>,
@@ -97,13 +99,13 @@ impl Modules {
         loader.finish(mode)
     }
 
-    /// Returns all declarations of all files.
+    /// Returns all declarations of all modules.
     pub(crate) fn items(&self) -> impl Iterator<Item = &Item> {
         let files = self.modules.iter().flat_map(|module| &module.files);
         files.flat_map(|file| &file.items)
     }
 
-    /// Returns the declarations of the main module.
+    /// Returns the declarations of the main module, including those of its included files.
     pub(crate) fn own_items(&self) -> impl Iterator<Item = &Item> {
         let files = self.modules.iter().take(1).flat_map(|module| &module.files);
         files.flat_map(|file| &file.items)
@@ -114,7 +116,7 @@ impl Modules {
         self.modules.iter().map(|module| module.name.as_str())
     }
 
-    /// Returns the index of all definitions and references.
+    /// Returns the index of all definitions and references in the modules.
     pub(crate) fn index(&self) -> Index {
         let sources = self.sources();
         let (program, _) = Program::collect(&sources);
@@ -161,7 +163,8 @@ impl<'a> Loader<'a> {
         }
     }
 
-    /// Adds the implicit modules (for `.rpi`) and the modules needed by those loaded so far.
+    /// Loads the modules that every program imports implicitly (only if `mode` is RPI) and all modules that the loaded
+    /// ones need. Returns all modules.
     fn finish(mut self, mode: Dialect) -> Modules {
         if mode == Dialect::Rpi {
             let implicit = LIBRARY.iter().filter(|library| library.implicit);
@@ -206,7 +209,8 @@ impl<'a> Loader<'a> {
         parsed.file
     }
 
-    /// Parses an included file, unless it was included before.
+    /// Parses an included file in the language `mode`. Returns `None` if the file was included before or cannot be
+    /// found.
     fn include(&mut self, include: &Ident, mode: Dialect) -> Option<File> {
         let folder = self.folder.as_ref();
         let path = folder.map(|folder| folder.join(include.name.as_str()));
@@ -250,7 +254,8 @@ impl<'a> Loader<'a> {
         }
     }
 
-    /// Loads a module by name. The checker reports a module that does not exist.
+    /// Loads the module with this name, from the folder of the program or the standard library. The checker reports a
+    /// module that does not exist.
     fn find(&mut self, name: &str) {
         if self.modules.iter().any(|module| module.name == name) {
             return;
@@ -297,38 +302,40 @@ fn uses(file: &File) -> Vec<String> {
     names
 }
 
-/// Returns the path under which messages show a module of the standard library.
+/// Returns the path by which messages refer to the module of the standard library with this name.
 pub(crate) fn library_path(name: &str) -> String {
     format!("stdlib/{name}.rpi")
 }
 
-/// Returns whether a path denotes a module of the standard library in messages.
+/// Returns whether a path in messages refers to a module of the standard library.
 pub(crate) fn is_library_path(path: &str) -> bool {
     let name = path.strip_prefix("stdlib/");
     let name = name.and_then(|name| name.strip_suffix(".rpi"));
     name.is_some_and(|name| library_text(name).is_some())
 }
 
-/// Returns the text of a module of the standard library.
+/// Returns the source text of the module of the standard library with this name; `None` if there is none.
 #[must_use]
 pub fn library_text(name: &str) -> Option<&'static str> {
     let found = LIBRARY.iter().find(|library| library.name == name);
     found.map(|library| library.text)
 }
 
-/// Access to the standard library for suggestions about missing imports.
+/// Access of the checker to the names in the standard library, for suggestions about missing imports.
 pub(crate) const LIBRARY_NAMES: rpi_sema::program::Library = rpi_sema::program::Library {
     modules: || library_modules().collect(),
     declaring: declaring_module,
 };
 
-/// Returns the module of the standard library that declares a name, among the modules that need a `use`.
+/// Returns the module of the standard library that declares a name, among the modules that are not imported implicitly;
+/// `None` if no module does.
 fn declaring_module(name: &str) -> Option<&'static str> {
     static NAMES: OnceLock<BTreeMap<String, &'static str>> = OnceLock::new();
     NAMES.get_or_init(library_names).get(name).copied()
 }
 
-/// Returns every name declared by the modules of the standard library, with its module.
+/// Returns every name that a module of the standard library declares, with the module. Only modules that are not
+/// imported implicitly count.
 fn library_names() -> BTreeMap<String, &'static str> {
     let mut names = BTreeMap::new();
     for library in LIBRARY.iter().filter(|library| !library.implicit) {

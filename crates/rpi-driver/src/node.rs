@@ -17,32 +17,32 @@ use crate::program::{self, AnalysedProgram};
 use crate::roots::called_units;
 use crate::unit_analysis::{AnalysedUnit, analyse_unit, with_claims};
 
-/// Result of compiling a single node of a file.
+/// Result of compiling a single node of a file, to run the node on its own.
 #[derive(Debug)]
 pub struct CompiledNode {
-    /// Source texts that the diagnostics refer to.
+    /// Source texts to which the locations in the diagnostics refer.
     pub sources: SourceMap,
     /// Errors and warnings of the program that declares the node.
     pub diagnostics: Vec<Diagnostic>,
-    /// Node, if it has no errors.
+    /// The compiled node; `None` if the program has errors.
     pub node: Option<Node>,
 }
 
-/// Node that can be run on its own.
+/// Compiled node that can be run on its own, with the columns of its input and output tables.
 #[derive(Debug)]
 pub struct Node {
     /// Net of the node. It exports the out-ports and the requested local flows by the keys of their columns.
     pub net: AnalysedNet,
-    /// In-ports, one column per scalar component.
+    /// Columns of the input table: one for each scalar component of an in-port.
     pub inputs: Vec<Column>,
-    /// Out-ports, one column per scalar component.
+    /// Columns of the output table: one for each scalar component of an out-port.
     pub outputs: Vec<Column>,
-    /// Local flows, one column per scalar component, if requested.
+    /// Columns for the local flows: one for each scalar component; empty unless requested.
     pub locals: Vec<Column>,
 }
 
 impl CompiledNode {
-    /// Returns whether there is an error, which prevents the node from running.
+    /// Returns whether the diagnostics contain an error, which prevents the node from running.
     #[must_use]
     pub fn has_errors(&self) -> bool {
         self.diagnostics
@@ -51,8 +51,9 @@ impl CompiledNode {
     }
 }
 
-/// Compiles one node of a program up to a checked net. The node is the one with the given name; otherwise the one
-/// marked with `--%MAIN`, the one named like the file, or the last one that no other node calls.
+/// Compiles one node of a program to a net. The node is the one with the given name; otherwise the one marked with
+/// `--%MAIN`, the one named like the file, or the last one that no other node calls. `claims` is the treatment of
+/// assertions and contracts; `locals` is whether local flows can be observed.
 ///
 /// # Errors
 /// If the file is not text or has no such node. Errors in the program are diagnostics instead.
@@ -129,8 +130,8 @@ fn select_node(
     })
 }
 
-/// Returns the last node that no other node calls; calls from commands and tests do not count. Nodes of the file itself
-/// take precedence over included ones.
+/// Returns the last node that no other node calls; `None` if there is none. Calls from commands and tests do not count.
+/// Nodes of the file itself take precedence over those of included files.
 fn last_uncalled(front: &AnalysedProgram<'_>) -> Option<UnitId> {
     let is_node = |decl: DeclId| {
         let kind = &front.program.decl(decl).kind;
@@ -149,10 +150,10 @@ fn last_uncalled(front: &AnalysedProgram<'_>) -> Option<UnitId> {
         .map(|(_, unit)| unit)
 }
 
-/// File number of the program text itself, which is always read first.
+/// Number of the file with the program text itself, which is always read first.
 const OWN: FileId = FileId(0);
 
-/// Returns whether a declaration is checked like a node but is not a node.
+/// Returns whether a declaration is a contract or a test, which are checked like nodes but are not nodes.
 fn is_not_a_node(kind: DeclKind<'_>) -> bool {
     match kind {
         DeclKind::Node(node) => node.kind == NodeKind::Contract,
@@ -175,10 +176,11 @@ fn no_such_node(front: &AnalysedProgram<'_>, name: &str, nodes: &[(&str, UnitId)
     }
 }
 
-/// Pragma of Kind 2 for the main node.
+/// Comment that marks the main node of a Lustre program, as in the model checker Kind 2.
 const MARK: &str = "--%MAIN";
 
-/// Returns the names of the declarations that contain `--%MAIN`.
+/// Returns the names of the nodes that contain the mark `--%MAIN` in a program text. The extension of `path` determines
+/// the language.
 fn main_nodes(text: &str, path: &str) -> Vec<String> {
     if !text.contains(MARK) {
         return Vec::new();

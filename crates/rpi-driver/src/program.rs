@@ -16,20 +16,20 @@ use crate::analysis_summary::RequestedReports;
 use crate::file_loader::DiskLoader;
 use crate::modules::Modules;
 
-/// Text of a program in a file.
+/// Program text with the name of its module and its file.
 pub(crate) struct SourceText<'t> {
-    /// Name of the module.
+    /// Name of the module, without an extension.
     pub(crate) name: &'t str,
     /// Path of the file, for messages.
     pub(crate) path: &'t str,
-    /// Source text.
+    /// Source text of the module.
     pub(crate) text: &'t str,
-    /// Folder in which other modules are searched for.
+    /// Folder in which included files and other modules are searched for; `None` if they must not be read from files.
     pub(crate) folder: Option<&'t Path>,
 }
 
 impl SourceText<'_> {
-    /// Parses the text and all modules that it needs.
+    /// Parses the text and all modules that it needs, and adds their texts to `sources`.
     pub(crate) fn modules(&self, sources: &mut SourceMap) -> Modules {
         Modules::load(
             self.name,
@@ -42,22 +42,25 @@ impl SourceText<'_> {
     }
 }
 
-/// Program whose units have been checked, with facts about its flows.
+/// Program after type checking, with the data that the compilation to nets needs: source texts, facts about the
+/// presence of flows, machine and limits.
 pub(crate) struct AnalysedProgram<'p> {
     pub(crate) program: &'p Program<'p>,
     pub(crate) checked: &'p CheckedProgram,
     pub(crate) sources: &'p SourceMap,
     pub(crate) facts: &'p [Facts],
-    /// For each unit, whether it has no errors so far.
+    /// For each unit (node, command, test or task), whether the unit and everything it depends on have no errors so
+    /// far.
     pub(crate) error_free: &'p [bool],
     pub(crate) machine: MachineProfile,
-    /// Budget of nodes for all nets together, and its current use.
+    /// Maximum number of nodes in all nets of the program together, and the number used so far.
     pub(crate) node_budget: SizeBudget,
-    /// Reports that the user requested about the nets compiled so far.
+    /// Reports about the compiled nets that the user requested, filled in during the compilation.
     pub(crate) reports: RequestedReports,
 }
 
-/// Checks parsed modules and calls `back`, which compiles the units without errors to nets.
+/// Checks parsed modules and calls `back`, which compiles the units without errors to nets. Returns the result of
+/// `back`, the diagnostics of all stages, and the result of the checker.
 pub(crate) fn with_checked_program<T>(
     modules: &Modules,
     sources: &SourceMap,
@@ -108,11 +111,13 @@ fn check_and_build<T>(
     suppress(&mut diagnostics, Cause::LibraryFiles(libraries));
     suppression::suppress_in_syntax_errors(&mut diagnostics);
     suppression::remove_repeated(&mut diagnostics);
+    suppression::merge_by_subject(&mut diagnostics);
+    rpi_diag::fill_quotes(&mut diagnostics, sources);
     (made, diagnostics, checked)
 }
 
 impl AnalysedProgram<'_> {
-    /// Returns whether a unit and everything it depends on have no errors so far.
+    /// Returns whether a unit (node, command, test or task) and everything it depends on have no errors so far.
     pub(crate) fn is_error_free(&self, unit: UnitId) -> bool {
         self.error_free[unit.0 as usize]
     }

@@ -18,13 +18,13 @@ pub const MANIFEST: &str = "rpi.toml";
 /// Project: a folder of programs with an optional `rpi.toml`.
 #[derive(Clone, PartialEq, Eq, Debug)]
 pub struct Project {
-    /// Name from the description, otherwise that of the folder or file.
+    /// Name of the project: that in `rpi.toml`, otherwise that of the folder or file.
     pub name: String,
-    /// Description in Markdown.
+    /// Description of the project in Markdown; empty if there is none.
     pub description: String,
     /// Folder of the project.
     pub root: PathBuf,
-    /// Programs, sorted by path.
+    /// Paths of the programs of the project, sorted.
     pub files: Vec<PathBuf>,
 }
 
@@ -89,7 +89,8 @@ impl Project {
     }
 }
 
-/// Expands paths to files: a folder, or its `rpi.toml`, stands for the programs of the project.
+/// Expands paths to program files: a folder, or its `rpi.toml`, stands for the programs of the project; any other path
+/// stands for itself.
 ///
 /// # Errors
 /// If a folder has no program, or its `rpi.toml` is invalid.
@@ -130,8 +131,8 @@ fn folder_name(root: &Path) -> String {
     name.unwrap_or_else(|| "programs".to_owned())
 }
 
-/// Adds the programs at or below a path. Hidden folders and build outputs are skipped. Symbolic links are followed to
-/// files but not to folders, which may form a loop or lie outside the project.
+/// Adds to `files` the programs at or below a path. Hidden folders and build outputs (`target`) are skipped. Symbolic
+/// links are followed to files but not to folders, which may form a loop or lie outside the project.
 fn programs(path: &Path, files: &mut Vec<PathBuf>) {
     if path.is_file() {
         let kind = InputKind::from_path(path);

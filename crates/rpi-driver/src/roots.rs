@@ -18,25 +18,26 @@ use crate::program_tests::Test;
 use crate::task::{self, Instance, Task};
 use crate::unit_analysis::{AnalysedUnit, elaborate_and_analyse, with_claims};
 
-/// Result of compiling a program: nets, tests and tasks, with the diagnostics of all stages.
+/// Result of compiling the modules of a program: nets, tests and tasks, with the diagnostics of all stages.
 pub(crate) struct BuildOutput {
-    /// Commands that can be run, in source order.
+    /// Nets of the commands: first those with default arguments in source order, then those with the arguments of
+    /// tasks.
     pub(crate) nets: Vec<AnalysedNet>,
-    /// Commands that cannot run on their own because an argument has no value.
+    /// Commands that cannot run on their own because a parameter has no value.
     pub(crate) unbound: Vec<UnboundCommand>,
-    /// Tests, in source order.
+    /// Tests of the program with their nets, in source order.
     pub(crate) tests: Vec<Test>,
     /// Diagnostics of all stages.
     pub(crate) diagnostics: Vec<Diagnostic>,
-    /// Summaries of the analyses of each unit, if requested.
+    /// Summaries of the analyses of each command, node and task; empty unless requested.
     pub(crate) summaries: Vec<AnalysisSummary>,
-    /// Operations that can fault at run time, in source order, if requested.
+    /// Operations that can fault at run time, in source order; empty unless requested.
     pub(crate) faults: Vec<FaultLocation>,
-    /// Tasks, in source order.
+    /// Tasks of the program with their plans, in source order.
     pub(crate) tasks: Vec<Task>,
 }
 
-/// Compiles parsed modules with all further stages. Also returns the result of the checker.
+/// Compiles parsed modules to nets, tests and tasks. Also returns the result of the checker.
 pub(crate) fn build_modules(
     modules: &Modules,
     sources: &SourceMap,
@@ -58,7 +59,8 @@ pub(crate) fn build_modules(
     (built, checked)
 }
 
-/// Units that are compiled to nets of their own because they can be run: commands, tests and tasks.
+/// Result of compiling the units that can be run, each to a net of its own: commands, tests and tasks, with the
+/// requested reports.
 #[derive(Default)]
 struct Roots {
     nets: Vec<AnalysedNet>,
@@ -119,7 +121,8 @@ fn build_roots(
     roots
 }
 
-/// Returns the net of a command for the arguments given by a task.
+/// Returns the net of a command for the arguments given by a task; `None` if the command has errors with these
+/// arguments.
 fn instance_net(
     front: &AnalysedProgram<'_>,
     instance: Instance,
@@ -140,7 +143,8 @@ fn instance_net(
     Some(net.with_name(name))
 }
 
-/// Returns the net of an analysed command with the requested treatment of its claims.
+/// Returns the net of an analysed command with the requested treatment of its claims (assertions and contracts). It is
+/// compiled again if its claims are to be treated differently from before.
 fn command_net(
     front: &AnalysedProgram<'_>,
     unit: UnitId,
@@ -154,8 +158,8 @@ fn command_net(
     Some(analysed.net)
 }
 
-/// Returns whether a called unit has a budget that the analysis of its callers does not check: nodes are inlined into
-/// their callers, so the budget must be checked separately.
+/// Returns whether a called unit has a time budget that the analysis of its callers does not check: nodes are inlined
+/// into their callers, so the budget must be checked separately.
 fn is_bounded_alone(unit: &Unit) -> bool {
     let budget = unit.block(BlockId::ROOT).budget_ns;
     unit.kind != UnitKind::Fragment && budget.is_some()
@@ -169,8 +173,8 @@ fn test(unit: &Unit, analysed: AnalysedUnit) -> Test {
     }
 }
 
-/// Returns the arguments of a command that is run on its own: devices are bound by name, values to constants of the
-/// same name.
+/// Returns the arguments of a command that is run on its own: devices of the cell by the names of its parameters, and
+/// constants of the same names as its parameters, or defaults.
 fn default_arguments(front: &AnalysedProgram<'_>, unit: UnitId) -> Vec<Argument> {
     let unit = front.checked.unit(unit);
     let params = rpi_sema::elab::parameters(unit);
@@ -178,7 +182,7 @@ fn default_arguments(front: &AnalysedProgram<'_>, unit: UnitId) -> Vec<Argument>
     params.into_iter().map(argument).collect()
 }
 
-/// Returns the description of a command with parameters that have no value, or `None` if every parameter has one.
+/// Returns name and parameters of a command with parameters that have no value; `None` if every parameter has one.
 fn unbound_command(unit: &Unit, args: &[Argument]) -> Option<UnboundCommand> {
     let params = rpi_sema::elab::parameters(unit).into_iter().zip(args);
     let lacking = params.filter(|(_, arg)| **arg == Argument::Unknown);
@@ -193,7 +197,7 @@ fn unbound_command(unit: &Unit, args: &[Argument]) -> Option<UnboundCommand> {
     })
 }
 
-/// Returns the units that others call.
+/// Returns the units (nodes and functions) that the given units call directly.
 pub(crate) fn called_units<'u>(units: impl IntoIterator<Item = &'u Unit>) -> BTreeSet<UnitId> {
     let exprs = units.into_iter().flat_map(|unit| &unit.exprs);
     let calls = exprs.filter_map(|expr| match &expr.kind {

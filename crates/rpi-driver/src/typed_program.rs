@@ -11,16 +11,16 @@ use crate::program;
 /// Program after type checking: its typed units and the results of their analysis.
 #[derive(Debug)]
 pub struct TypedProgram {
-    /// Units of the program.
+    /// Units of the program, such as nodes and commands, after type checking.
     pub units: Vec<Unit>,
-    /// Presence facts of each unit: which flows may be absent.
+    /// For each unit, in the same order, facts about the presence of its flows: which flows may be absent.
     pub facts: Vec<Facts>,
-    /// Units that can be run on their own, by name.
+    /// Name and id of the units that can be run on their own.
     pub runnable: Vec<(String, UnitId)>,
 }
 
 impl TypedProgram {
-    /// Returns the runnable unit of this name.
+    /// Returns the id of the unit with this name that can be run on its own; `None` if there is none.
     #[must_use]
     pub fn unit(&self, name: &str) -> Option<UnitId> {
         let found = self.runnable.iter().find(|(known, _)| known == name);
@@ -28,7 +28,7 @@ impl TypedProgram {
     }
 }
 
-/// Checks a program and returns its typed units, or its diagnostics if there are errors.
+/// Checks a program and returns its typed units (nodes, commands and others), or its diagnostics if there are errors.
 ///
 /// # Errors
 /// If the file is not text.

@@ -16,22 +16,23 @@ use crate::program::{AnalysedProgram, has_errors};
 use crate::unused_outputs;
 use crate::violation;
 
-/// Unit whose net has passed all analyses without errors.
+/// Unit (node, command or test) whose net has passed all analyses without errors.
 pub(crate) struct AnalysedUnit {
-    /// Net with the results of the passes.
+    /// Net of the unit, with the results of the passes.
     pub(crate) net: AnalysedNet,
-    /// Inputs, leaf by leaf.
+    /// Inputs of the unit, one entry for each scalar part.
     pub(crate) inputs: Vec<PortShape>,
-    /// Outputs, leaf by leaf.
+    /// Outputs of the unit, one entry for each scalar part.
     pub(crate) outputs: Vec<PortShape>,
-    /// Local flows of the unit, leaf by leaf, if requested.
+    /// Local flows of the unit, one entry for each scalar part; empty unless requested.
     pub(crate) locals: Vec<ObservableFlow>,
-    /// Whether the unit contains claims.
+    /// Whether the unit contains claims (assertions or contracts).
     pub(crate) has_claims: bool,
 }
 
-/// Returns a unit with other treatment of its claims. Without claims this is the same net; with claims it is another
-/// net, which `elaborate` makes and which is analysed here.
+/// Returns an analysed unit with the treatment `claims` of its claims (assertions and contracts). A unit without claims
+/// is returned unchanged; for any other one, `elaborate` makes another net, which is analysed here. Returns `None` if
+/// that net has errors.
 pub(crate) fn with_claims(
     front: &AnalysedProgram<'_>,
     unit: UnitId,
@@ -61,8 +62,8 @@ pub(crate) fn with_claims(
     }
 }
 
-/// Elaborates and analyses one unit. Returns `None` if the passes report errors. Claims are always published here,
-/// because the passes analyse them as well.
+/// Elaborates one unit (node, command or test) to a net and analyses the net. Returns `None` if there are errors. The
+/// net contains all claims (assertions and contracts), because the passes analyse them as well.
 pub(crate) fn elaborate_and_analyse(
     front: &AnalysedProgram<'_>,
     unit: UnitId,
@@ -82,7 +83,8 @@ pub(crate) fn elaborate_and_analyse(
     analyse_unit(front, unit, args, elaborated, diagnostics)
 }
 
-/// Analyses the net of a unit. Returns `None` if the elaboration or a pass reports errors.
+/// Runs the analyses on the net of a unit and adds their diagnostics. Returns `None` if the elaboration or a pass
+/// reports errors.
 pub(crate) fn analyse_unit(
     front: &AnalysedProgram<'_>,
     unit: UnitId,
@@ -107,7 +109,8 @@ pub(crate) fn analyse_unit(
     })
 }
 
-/// Runs the passes on the net of a unit, which they consume and return.
+/// Runs the compiler passes on the net of a unit, which is moved out of `elaborated`. Returns the analysed net; `None`
+/// if the net has a dependency cycle or is invalid.
 fn run_passes(
     front: &AnalysedProgram<'_>,
     unit: UnitId,
@@ -133,8 +136,8 @@ fn run_passes(
     None
 }
 
-/// Reports the diagnostics of the passes, checks the budgets and the initialisation, and returns the net if there is no
-/// error.
+/// Adds the diagnostics of the passes, and checks the time budgets and the initialisation of delays. Returns the net;
+/// `None` if it has no order of evaluation.
 fn checked_net(
     front: &AnalysedProgram<'_>,
     unit: UnitId,
@@ -156,8 +159,8 @@ fn hides_dependency_cycle(front: &AnalysedProgram<'_>, unit: UnitId, args: &[Arg
     has_hidden_dependency_cycle(&front.checked.units, front.facts, unit, args)
 }
 
-/// Returns the dependency cycles of a unit with every equation on the path. They are computed from a second net,
-/// because the net for execution omits equations that only copy a flow.
+/// Returns the diagnostics of the dependency cycles of a unit, each with every equation on its path. They are computed
+/// from a second net, because the net for execution omits equations that only copy a flow.
 fn dependency_cycles(
     front: &AnalysedProgram<'_>,
     unit: UnitId,

@@ -6,8 +6,8 @@ use rpi_diag::suppression::{Cause, suppress};
 use rpi_diag::{Diagnostic, Span};
 use rpi_sema::typed::{Equation, FlowRole, TargetPlace, Unit, UnitId};
 
-/// Removes diagnostics about unused text where the text defines an out-port of a unit that `root` calls: another caller
-/// may use the port.
+/// Removes diagnostics about unused text in the net of `root` where the text defines an out-port of another unit, which
+/// is called there: another caller may use the out-port.
 pub(crate) fn suppress_unused_outputs(units: &[Unit], root: UnitId, found: &mut Vec<Diagnostic>) {
     if !found.iter().any(|f| f.code.is_unnecessary()) {
         return;
@@ -18,7 +18,7 @@ pub(crate) fn suppress_unused_outputs(units: &[Unit], root: UnitId, found: &mut 
     suppress(found, Cause::UsedElsewhere(&places));
 }
 
-/// Returns the locations of the expressions that define the out-ports of a unit.
+/// Returns the source locations of the expressions that define the out-ports of a unit.
 fn out_ports(unit: &Unit) -> impl Iterator<Item = Span> + '_ {
     let equations = unit.blocks.iter().flat_map(|block| &block.equations);
     let gives = |equation: &&Equation| {

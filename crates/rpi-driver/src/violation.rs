@@ -3,8 +3,8 @@
 use rpi_diag::{Diagnostic, Span};
 use rpi_net::VerifyError;
 
-/// Converts an error of the image verifier to a diagnostic; `around` is the location of the unit that was being
-/// compiled.
+/// Converts an error of the net verifier, which means that a compiler stage has produced an invalid net, to a
+/// diagnostic. `around` is the location of the node or command that was being compiled.
 pub(crate) fn diagnostic(violation: &VerifyError, around: Span) -> Diagnostic {
     let message = format!("the compiler produced an invalid net: {violation}");
     let place = match violation.span() {

@@ -9,29 +9,29 @@ use std::path::Path;
 
 use flate2::read::MultiGzDecoder;
 
-/// Greatest size of a program, a net or an image in bytes.
+/// Maximum size of a program, a net or an image in bytes (128 MiB), compressed or decompressed.
 pub const MAX_PROGRAM: u64 = 128 << 20;
 
-/// Greatest size of recorded inputs and outputs in bytes.
+/// Maximum size of recorded inputs and outputs in bytes (512 MiB), compressed or decompressed.
 pub const MAX_TRACE: u64 = 512 << 20;
 
-/// Magic number of gzip (RFC 1952, section 2.3.1).
+/// First two bytes of a gzip file (RFC 1952, section 2.3.1).
 const GZIP: [u8; 2] = [0x1f, 0x8b];
 
-/// Returns the content of a file with at most `most` bytes. It is decompressed if it begins with the magic number of
-/// gzip.
+/// Returns the content of a file, decompressed if it is a gzip file. `most` is the maximum size in bytes.
 ///
 /// # Errors
-/// If the file cannot be read, is invalid gzip, or has more than `most` bytes, compressed or decompressed.
+/// Returns an error if the file cannot be read, is invalid gzip, or has more than `most` bytes, compressed or
+/// decompressed.
 pub fn read(path: &Path, most: u64) -> io::Result<Vec<u8>> {
     decompress(limited(File::open(path)?, most)?, most)
 }
 
-/// Decompresses content that begins with the magic number of gzip, to at most `most` bytes; returns any other content
-/// unchanged.
+/// Returns the content of a file, decompressed if it begins with the magic number of gzip, else unchanged. `most` is
+/// the maximum size in bytes after decompression.
 ///
 /// # Errors
-/// If the content is invalid gzip, or has more than `most` bytes.
+/// Returns an error if the content is invalid gzip, or has more than `most` bytes.
 pub fn decompress(bytes: Vec<u8>, most: u64) -> io::Result<Vec<u8>> {
     match bytes.starts_with(&GZIP) {
         true => limited(MultiGzDecoder::new(bytes.as_slice()), most).map_err(gzip_error),
@@ -46,7 +46,7 @@ fn gzip_error(error: io::Error) -> io::Error {
     }
 }
 
-/// Reads all of a stream, at most `most` bytes.
+/// Returns all bytes of a stream, or an error if it has more than `most` bytes.
 fn limited(stream: impl Read, most: u64) -> io::Result<Vec<u8>> {
     let mut bytes = Vec::new();
     stream

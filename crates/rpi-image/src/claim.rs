@@ -4,22 +4,26 @@
 
 use alloc::string::String;
 
-/// Prefix of the keys of all exports that belong to a claim. A key that a program declares contains no space.
+/// Prefix of the export keys that belong to a claim (an `assert`, a `check` or a clause of a contract). The space
+/// prevents a clash with an export of a program, whose key contains no space.
 const PREFIX: &str = "claim ";
 
-/// Returns the key of the export of the claim with this number.
+/// Returns the key of the export that carries the condition of a claim, such as `claim 1`. `number` counts the claims
+/// of the command from 1.
 #[must_use]
 pub fn claim_key(number: usize) -> String {
     alloc::format!("{PREFIX}{number}")
 }
 
-/// Returns the key of the export of a flow that a claim reads.
+/// Returns the key of the export of a flow that the condition of a claim reads. `claim` is the key of the claim
+/// ([`claim_key`]), `flow` the name of the flow: `claim 1: speed`.
 #[must_use]
 pub fn read_key(claim: &str, flow: &str) -> String {
     alloc::format!("{claim}: {flow}")
 }
 
-/// Returns true if the export with this key belongs to a claim.
+/// Returns true if the export with this key carries the condition of a claim (`assert`, `check`, clause of a contract)
+/// or a flow that such a condition reads.
 #[must_use]
 pub fn is_claim_key(key: &str) -> bool {
     key.starts_with(PREFIX)

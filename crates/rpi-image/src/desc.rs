@@ -6,64 +6,64 @@ use crate::value::Value;
 
 // All fields are `'static` or `fn` pointers, so that a declaration is a `const` and the registry is built at compile
 // time.
-/// The declaration of one primitive.
+/// Declaration of one primitive (basic operation of a net): name, ports, parameters, state, role and bound of the work.
 #[derive(Clone, Copy, Debug)]
 pub struct PrimDesc {
-    /// Registered name, for example `Core::DoubleAdd`.
+    /// Name of the primitive in the registry, for example `Core::DoubleAdd`.
     pub name: &'static str,
-    /// Documentation: the operation, units, frames and source.
+    /// Documentation of the primitive: the operation, units, frames and source.
     pub doc: &'static str,
-    /// In-ports in declaration order.
+    /// In-ports of the primitive, in declaration order.
     pub inputs: &'static [InPort],
-    /// Out-ports in declaration order.
+    /// Out-ports of the primitive, in declaration order.
     pub outputs: &'static [OutPort],
     /// Parameters in declaration order, without those that replace an unconnected in-port (see [`InPort::fallback`]).
     pub params: &'static [Param],
-    /// Rule for the lengths of array out-ports and the shapes of matrix out-ports.
+    /// Rule that gives the lengths of array out-ports and the shapes of matrix out-ports.
     pub shape: ShapeRule,
-    /// State kept from cycle to cycle.
+    /// Memory that the primitive preserves from one cycle to the next.
     pub state: StateSize,
     /// Way in which the core handles the primitive: as code, or as an interface to devices, inputs or the core itself.
     pub role: Role,
     /// Upper bound of the work in one cycle, in elementary operations (the addition of two reals is 1). Larger arrays
     /// and matrices multiply it by [`Type::work_factor`].
     pub work: u32,
-    /// Whether a cycle may raise a fault (integer overflow, division by zero).
+    /// True if the primitive can raise a fault in a cycle, such as an integer overflow or a division by zero.
     pub may_fault: bool,
 }
 
 /// In-port of a primitive: name, accepted type, and behaviour without a connection.
 #[derive(Clone, Copy, Debug)]
 pub struct InPort {
-    /// Registered name, for example `inFirst`.
+    /// Name of the in-port in the declaration of the primitive, for example `inFirst`.
     pub name: &'static str,
-    /// Accepted type.
+    /// Type of the values that the port accepts.
     pub ty: PortType,
-    /// Behaviour if the port is not connected.
+    /// Behaviour if nothing is connected to the port: an error, a parameter instead, or an absent value.
     pub fallback: Fallback,
 }
 
 /// Out-port of a primitive: name and type.
 #[derive(Clone, Copy, Debug)]
 pub struct OutPort {
-    /// Registered name, for example `outValue`.
+    /// Name of the out-port in the declaration of the primitive, for example `outValue`.
     pub name: &'static str,
-    /// Type of the output.
+    /// Type of the values of the out-port.
     pub ty: PortType,
-    /// Rule for the presence of the output.
+    /// Rule that gives the presence of the output from the presence of the inputs.
     pub presence: Presence,
 }
 
 /// Type that a primitive declares for a port, before array lengths and matrix shapes are known.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub enum PortType {
-    /// Single value.
+    /// Port for single values of this scalar type.
     Scalar(Scalar),
-    /// Array. The length of an in-port is that of its source; the length of an out-port follows from
-    /// [`PrimDesc::shape`].
+    /// Port for arrays of this element type. The length of an in-port is that of the connected flow; the length of an
+    /// out-port follows from [`PrimDesc::shape`].
     Array(Scalar),
-    /// Matrix of reals. The shape of an in-port is that of its source; the shape of an out-port follows from
-    /// [`PrimDesc::shape`].
+    /// Port for matrices of reals. The shape of an in-port is that of the connected flow; the shape of an out-port
+    /// follows from [`PrimDesc::shape`].
     Matrix,
 }
 
@@ -71,31 +71,32 @@ pub enum PortType {
 /// [`PrimDesc::out_type`] applies it.
 #[derive(Clone, Copy, Debug)]
 pub enum ShapeRule {
-    /// No array or matrix out-port, and no size to check.
+    /// The primitive has no array or matrix out-port, and the sizes of its inputs need no check.
     Fixed,
-    /// Length equal to the integer parameter with this name.
+    /// The array out-port is as long as the value of the integer parameter with this name.
     FromParam(&'static str),
-    /// Length equal to that of the array in-port with this index.
+    /// The array out-port is as long as the array in-port with this index.
     SameAsInput(usize),
-    /// Length equal to that of the array parameter with this name.
+    /// The array out-port is as long as the array parameter with this name.
     SameAsParam(&'static str),
-    /// Type computed by a function; `None` if sizes or indices do not fit. The function is also called for single
-    /// outputs, to check sizes.
+    /// The function returns the type of the out-port, or `None` if sizes or indices of the inputs do not fit. It is
+    /// also called for primitives with a scalar out-port, to check the sizes of their inputs.
     Computed(fn(&ShapeArgs<'_>) -> Option<Type>),
 }
 
-/// Arguments of a shape rule ([`ShapeRule`]).
+/// Input types and parameter values from which a shape rule ([`ShapeRule`]) derives the type of an out-port.
 #[derive(Clone, Copy, Debug)]
 pub struct ShapeArgs<'a> {
-    /// Types of the in-ports; `None` for a port that is neither connected nor replaced by a parameter.
+    /// Types of the in-ports in declaration order; `None` for a port that is neither connected nor replaced by a
+    /// parameter.
     pub inputs: &'a [Option<Type>],
     /// Values of the parameters, in the order of [`PrimDesc::params`].
     pub params: &'a [Value],
 }
 
 impl ShapeArgs<'_> {
-    /// Returns the parameter with index `param` as a size or an index; `None` if it is missing, negative or above
-    /// `u32::MAX`.
+    /// Returns the value of the integer parameter with index `param`, used as a size or as an index; `None` if it is
+    /// missing, negative or above `u32::MAX`.
     #[must_use]
     pub fn size(&self, param: usize) -> Option<u32> {
         self.params
@@ -123,39 +124,40 @@ impl ShapeArgs<'_> {
     }
 }
 
-/// Behaviour of an in-port that is not connected.
+/// Behaviour of an in-port to which nothing is connected.
 #[derive(Clone, Copy, Debug)]
 pub enum Fallback {
     /// The port must be connected; otherwise the net is rejected.
     Required,
-    /// The parameter with this name replaces the connection; the second field is the default of the parameter.
+    /// The parameter with this name replaces the connection. The second field is the default of that parameter.
     Param(&'static str, ParamDefault),
-    /// A value computed from several real parameters replaces the connection. The fields are the names and defaults of
-    /// the parameters, and the function that computes the value.
+    /// A value computed from several real parameters replaces the connection. The fields are the names of the
+    /// parameters with their defaults, and the function that computes the value from the parameters in the same order.
     ComposedOfParams(&'static [(&'static str, f64)], fn(&[f64]) -> Value),
-    /// The port counts as absent.
+    /// The port reads an absent value.
     AbsentValue,
 }
 
-/// Default of a parameter, in a form that is allowed in a `const`.
+/// Default of a parameter. Unlike [`Value`], it can be written in a `const`.
 #[derive(Clone, Copy, Debug)]
 pub enum ParamDefault {
-    /// The value 0, false or empty of the parameter's type, see [`Value::neutral`].
+    /// Neutral value of the type of the parameter: false, 0, zero vector or identity, see [`Value::neutral`].
     Neutral,
-    /// Boolean default.
+    /// Default of a Boolean parameter.
     Bool(bool),
-    /// Integer default.
+    /// Default of an integer parameter.
     Int(i64),
-    /// Real default.
+    /// Default of a parameter that is a real.
     Real(f64),
-    /// Text default.
+    /// Default of a text parameter.
     Str(&'static str),
-    /// No default: the parameter must be set.
+    /// No default: a net must set the parameter.
     Required,
 }
 
 impl ParamDefault {
-    /// Returns the default of a parameter of type `ty`; `None` for [`ParamDefault::Required`].
+    /// Returns the default as a value of type `ty`; `None` for [`ParamDefault::Required`]. Only
+    /// [`ParamDefault::Neutral`] depends on `ty`.
     #[must_use]
     pub fn value(self, ty: Type) -> Option<Value> {
         Some(match self {
@@ -172,52 +174,56 @@ impl ParamDefault {
 /// Parameter of a primitive: a constant, fixed when the command is loaded.
 #[derive(Clone, Copy, Debug)]
 pub struct Param {
-    /// Registered name, for example `Duration`.
+    /// Name of the parameter in the declaration of the primitive, for example `Duration`.
     pub name: &'static str,
     /// Type that an argument for the parameter must have.
     pub ty: ParamType,
-    /// Value of the parameter in nets that do not set it.
+    /// Value that the parameter has in a net that does not set it.
     pub default: ParamDefault,
 }
 
 /// Type of a parameter of a primitive, whose value is fixed when the net is loaded.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub enum ParamType {
-    /// Single value.
+    /// Parameter with a single value of this scalar type.
     Scalar(Scalar),
-    /// Array literal of any length.
+    /// Parameter with an array of this element type, of any length.
     Array(Scalar),
-    /// Text.
+    /// Parameter whose value is a text, such as the name of a device.
     Str,
 }
 
-/// Presence of an output, as far as it follows from the presence of the inputs.
+/// Rule that states whether an output has a value in a cycle (is present), as far as the presence of the inputs decides
+/// it.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub enum Presence {
     /// Present exactly if every connected input is present. The code of the primitive never handles absence: it has
-    /// only a `total` form, and a primitive with state does not run in a cycle in which an input is absent.
+    /// only the form [`Form::Total`](crate::image::Form::Total), and a primitive with state does not run in a cycle in
+    /// which an input is absent.
     Strict,
-    /// Always present if all connected inputs are present (Kleene `and`, conditional); otherwise the code of the
-    /// primitive decides.
+    /// Present if all connected inputs are present, as for the three-valued (Kleene) `and`. If an input is absent, the
+    /// code of the primitive decides.
     IfAll,
-    /// Always present if at least one input is present (`??`); otherwise the code of the primitive decides.
+    /// Present if at least one input is present, as for the operator `??`. If all inputs are absent, the code of the
+    /// primitive decides.
     IfAny,
-    /// Always present, even if inputs are absent.
+    /// Present in every cycle, even if inputs are absent.
     Always,
-    /// May be absent even if all inputs are present (`pre`, set-null): the code of the primitive decides.
+    /// The code of the primitive decides. The output may be absent even if all inputs are present, as for `pre`.
     Maybe,
 }
 
-/// State kept from cycle to cycle, in slots of 64 bits. The initial content is zero unless the primitive has an `init`
-/// function.
+/// Size of the memory that a primitive preserves from one cycle to the next, in slots of 64 bits. The initial content
+/// is zero unless the primitive has an `init` function.
 #[derive(Clone, Copy, Debug)]
 pub enum StateSize {
-    /// No state.
+    /// The primitive has no state.
     None,
-    /// Fixed number of slots. The operand is one word: the first slot.
+    /// The state has this number of slots. In the code of an image, the operand for the state is one word: the index of
+    /// the first slot.
     Fixed(u32),
-    /// Number of slots computed from the parameters and the period. The operand is two words: the first slot and the
-    /// length.
+    /// The function computes the number of slots from the parameters and the period of the command. In the code of an
+    /// image, the operand for the state has two words: the index of the first slot and the number of slots.
     Computed(fn(&SizeArgs<'_>) -> u32),
 }
 
@@ -226,13 +232,13 @@ pub enum StateSize {
 pub struct SizeArgs<'a> {
     /// Values of the parameters, in the order of [`PrimDesc::params`].
     pub params: &'a [Value],
-    /// Period of the command, s.
+    /// Period of the command, the time between two of its cycles, in seconds.
     pub dt: f64,
 }
 
 impl SizeArgs<'_> {
-    /// Returns the number of cycles that the real parameter with index `param` spans. The parameter is in seconds. The
-    /// result is rounded up and saturates at 0 and `u32::MAX`.
+    /// Returns the number of cycles in the time given by the real parameter with index `param`, in seconds. The result
+    /// is rounded up and lies between 0 and `u32::MAX`; it is 0 for a missing parameter.
     #[must_use]
     pub fn cycles_of_param(&self, param: usize) -> u32 {
         let span = self.params.get(param).and_then(Value::as_real);
@@ -242,34 +248,37 @@ impl SizeArgs<'_> {
     }
 }
 
-/// Handling of a primitive by the core.
+/// Way in which the core executes a primitive: by code of the primitive, or as an access to a device, an input, an
+/// export or a flow of the core.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub enum Role {
-    /// Computes the outputs from the inputs by the code of the primitive, in dependency order.
+    /// The code of the primitive computes the outputs from the inputs, after the primitives that produce the inputs.
     Compute,
-    /// Outputs the parameter `Value`. It is folded when the net is lowered.
+    /// Outputs the value of the parameter `Value`. The compiler replaces the primitive by a constant slot.
     Constant,
-    /// `pre`: outputs the first input of the previous active cycle, absence included. The output is absent in the first
-    /// cycle. The value is latched in the commit phase.
+    /// Delay (`pre`): outputs the value and the presence that its first input had in the previous active cycle. The
+    /// output is absent in the first cycle. The input is stored in the commit phase, at the end of the cycle.
     Delay,
-    /// Outputs true exactly if the input is absent. It is an alias of the presence slot.
+    /// Outputs true exactly if the input is absent. No code runs: the output is the negation of the presence of the
+    /// input.
     IsAbsent,
-    /// Outputs true exactly in the first cycle in which the enclosing fragment is active, and again after each reset.
+    /// Outputs true in the first cycle in which the enclosing fragment is active, and in the first one after each
+    /// reset; else false.
     First,
-    /// Outputs values read from a device before evaluation. The device is read even if the enclosing fragment is
-    /// inactive.
+    /// Outputs values of a device, which the core reads before the evaluation of the cycle, even if the enclosing
+    /// fragment is inactive.
     Sensor(DeviceUse),
-    /// Passes its inputs to a device as one set-point, concatenated slot by slot. The set-point is checked in
-    /// dependency order and delivered in the write phase. The out-ports are the responses of the device
-    /// ([`DeviceUse::responses`]).
+    /// Passes its inputs to a device as one set-point: the slots of all inputs, concatenated. The core checks the
+    /// set-point when its step runs, and hands it over in the write phase after the evaluation. The out-ports are
+    /// responses of the device ([`DeviceUse::responses`]).
     Actuator(DeviceUse),
-    /// Calls a function of a device (kinematics) in dependency order. The inputs are concatenated to the arguments, the
-    /// out-ports to the result. If the device has no result, an output with [`Presence::Maybe`] is absent, and one with
-    /// [`Presence::Strict`] is not a number.
+    /// Calls a function of a device, such as inverse kinematics. The arguments are the slots of all inputs,
+    /// concatenated; the result fills the slots of all outputs. If the device returns no result, an output with
+    /// [`Presence::Maybe`] is absent, and an output with [`Presence::Strict`] is NaN.
     DeviceFunction(DeviceUse),
-    /// Outputs a value that is set by key from outside, between cycles.
+    /// Outputs a value that the host of the command sets under a key, between two cycles.
     Input,
-    /// Publishes the value of the input under a key after the cycle.
+    /// Publishes the value of its input under a key at the end of the cycle.
     Export,
     /// Outputs a flow that the core provides, such as the time or a cancel request.
     Flow(CommandFlow),
@@ -278,88 +287,93 @@ pub enum Role {
 /// Device port that a primitive uses. Parameters of the primitive select the device.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub struct DeviceUse {
-    /// Name of the parameter that holds the name of the device.
+    /// Name of the text parameter of the primitive whose value is the name of the device.
     pub device: &'static str,
-    /// Name of the parameter that holds the index (axis, input number), if the device has several equal ports.
+    /// Name of the integer parameter whose value is an index (number of an axis or of an input), if the device has
+    /// several ports of this name; else `None`.
     pub index: Option<&'static str>,
-    /// Ports of the device: one per out-port for a sensor, exactly one for an actuator or a function.
+    /// Names of the device ports: one for each out-port of a sensor, exactly one for an actuator or a function.
     pub ports: DevicePortNames,
     /// Meaning of each out-port of an actuator; empty for a sensor or a function.
     pub responses: &'static [DeviceResponse],
 }
 
-/// Response of a device to the set-point of this cycle, as an out-port of an actuator.
+/// Response of a device to the set-point of the current cycle. An actuator primitive has an out-port for each response
+/// it declares.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub enum DeviceResponse {
-    /// True if another writer has set the port in the same cycle.
+    /// True if another actuator primitive has set the same port of the device in the same cycle.
     ConcurrentAccess,
-    /// True if the device has failed.
+    /// True if the device has failed, so that it does not carry out the set-point.
     DeviceFailed,
-    /// True if the value is unreachable, outside its limits or not a number.
+    /// True if the set-point is unreachable, outside the limits of the device or not a number.
     IllegalValue,
-    /// Error code of the device (int); 0 if there is no error.
+    /// Error code of the device as an integer; 0 if the device has no error.
     ErrorCode,
     /// True if the device has accepted the set-point of the previous cycle and has no error.
     Completed,
 }
 
-/// Names of device ports used by a primitive.
+/// Names of the device ports that a primitive uses.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub enum DevicePortNames {
-    /// Names that are the same in every use of the primitive.
+    /// The primitive always uses the ports with these names.
     Fixed(&'static [&'static str]),
-    /// Name held by the text parameter with this name.
+    /// The name of the port is the value of the text parameter with this name.
     Param(&'static str),
 }
 
-/// Flow that the core provides to a command.
+/// Flow that the core computes and provides to a command in each cycle, such as the time or a cancel request.
 #[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Debug)]
 pub enum CommandFlow {
-    /// True from the first cycle after a cancel request.
+    /// Boolean: true from the first cycle after a client has requested the command to end.
     Cancel,
-    /// True if a successor is scheduled that covers every resource that may be moving.
+    /// Boolean: true if a successor is scheduled whose devices include every resource that may be moving.
     Takeover,
-    /// Time since the first cycle of the command, s (real).
+    /// Time since the first cycle of the command, in seconds (real).
     Time,
-    /// Period of the command, s (real).
+    /// Period of the command, the time between two of its cycles, in seconds (real).
     Period,
-    /// Logical time of the cycle ([`Scalar::Time`]).
+    /// Logical time of the cycle, in ns since the Unix epoch ([`Scalar::Time`]): the system time at the first cycle of
+    /// the command, advanced by one period in each further cycle.
     NetTime,
-    /// Time of the system clock at evaluation ([`Scalar::Time`]).
+    /// Time of the system clock at the evaluation of the cycle, in ns since the Unix epoch ([`Scalar::Time`]).
     WallTime,
-    /// Identity of the result of the preceding command ([`crate::hash::result_id`], int); absent if there is no
-    /// preceding command.
+    /// Hash of the result with which the preceding command ended ([`crate::hash::result_id`], integer); absent if there
+    /// is no preceding command.
     Predecessor,
-    /// Time since the first cycle of the command, in ticks (int).
+    /// Time since the first cycle of the command, in ticks of the core (integer).
     Elapsed,
-    /// Period of the command, in ticks (int).
+    /// Period of the command, in ticks of the core (integer).
     PeriodTicks,
-    /// Share of the speed at which all motions go, from 0 to 1 (real); the operator sets it for the whole core.
+    /// Speed override of the operator for all motions of the core, from 0 (standstill) to 1 (programmed speed) (real).
     SpeedOverride,
-    /// True while the operator pauses all motions.
+    /// Boolean: true while the operator pauses all motions.
     Pause,
 }
 
 impl PrimDesc {
-    /// Returns the index of the in-port with this registered name.
+    /// Returns the index of the in-port with this name in [`PrimDesc::inputs`]; `None` if there is none.
     #[must_use]
     pub fn input(&self, name: &str) -> Option<usize> {
         self.inputs.iter().position(|p| p.name == name)
     }
 
-    /// Returns the index of the out-port with this registered name.
+    /// Returns the index of the out-port with this name in [`PrimDesc::outputs`]; `None` if there is none.
     #[must_use]
     pub fn output(&self, name: &str) -> Option<usize> {
         self.outputs.iter().position(|p| p.name == name)
     }
 
-    /// Returns the index of the parameter with this registered name.
+    /// Returns the index of the parameter with this name in [`PrimDesc::params`]; `None` if there is none. A parameter
+    /// that replaces an in-port is not in that list.
     #[must_use]
     pub fn param(&self, name: &str) -> Option<usize> {
         self.params.iter().position(|p| p.name == name)
     }
 
-    /// Returns the index of the in-port that the parameter `name` replaces if it is not connected.
+    /// Returns the index of the in-port whose missing connection the parameter `name` replaces; `None` if there is
+    /// none.
     #[must_use]
     pub fn in_port_of_param(&self, name: &str) -> Option<usize> {
         self.inputs.iter().position(|p| match p.fallback {
@@ -369,8 +383,8 @@ impl PrimDesc {
         })
     }
 
-    /// Returns the type of the out-port with index `port` for the given in-port types and parameters; `None` if they do
-    /// not fit.
+    /// Returns the type of the out-port with index `port` for the given in-port types and parameters; `None` if the
+    /// sizes of the inputs or parameters do not fit the primitive.
     #[must_use]
     pub fn out_type(&self, port: usize, args: &ShapeArgs<'_>) -> Option<Type> {
         if let ShapeRule::Computed(of) = self.shape {

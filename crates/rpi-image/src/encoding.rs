@@ -1,23 +1,27 @@
-//! Binary layout of plain data in a file: little endian, lengths before contents. The reader checks all input.
+//! Binary layout of plain data in a file or message: little endian, lengths before contents. The reader checks all input.
+//!
+//! Images use it, and messages that contain images. [`encode_struct!`](crate::encode_struct) and
+//! [`encode_enum!`](crate::encode_enum) implement it for the types of other crates.
 
 use alloc::string::String;
 use alloc::vec::Vec;
 
-/// Error when reading an image file. Positions are byte offsets.
+/// Error when reading an image file (`.rpib`). Positions are offsets in bytes from the start of the content after the
+/// header.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub enum ReadError {
     /// The file does not start with the magic number of an image.
     NotAnImage,
-    /// The file has this other format version.
+    /// The file has this version of the format, which differs from the version of this build.
     UnsupportedVersion(u16),
-    /// The checksum does not match the content.
+    /// The checksum in the header does not match the content of the file.
     ChecksumMismatch,
     /// The file ends too early, or a length exceeds the remaining bytes. The field is the position of the missing data
-    /// or of the length.
+    /// or of the length, in bytes.
     Truncated(usize),
-    /// Invalid value at this position.
+    /// The value at this position (in bytes) is not one that its field can have, such as 2 for a Boolean.
     InvalidValue(usize),
-    /// Unexpected bytes after the end of the image, starting at this position.
+    /// There are unexpected bytes after the end of the image. The field is the position of the first one.
     TrailingBytes(usize),
 }
 
@@ -39,14 +43,17 @@ impl core::fmt::Display for ReadError {
 
 impl core::error::Error for ReadError {}
 
-/// Cursor over the bytes of an image file, from which values are read in order.
-pub(crate) struct Reader<'a> {
+/// Cursor over the bytes of a file or message, from which values are read in order.
+#[derive(Debug)]
+pub struct Reader<'a> {
     bytes: &'a [u8],
     at: usize,
 }
 
 impl<'a> Reader<'a> {
-    pub(crate) const fn new(bytes: &'a [u8]) -> Self {
+    /// Creates a cursor at the first of these bytes.
+    #[must_use]
+    pub const fn new(bytes: &'a [u8]) -> Self {
         Reader { bytes, at: 0 }
     }
 
@@ -72,8 +79,8 @@ impl<'a> Reader<'a> {
             .map_err(|_| ReadError::Truncated(at))
     }
 
-    /// Reads a number of items, each of at least `least` bytes. Returns an error if the remaining bytes cannot hold
-    /// them.
+    /// Reads the length of a list whose items need at least `least` bytes each. Returns [`ReadError::Truncated`] if the
+    /// remaining bytes cannot hold that many items.
     fn count(&mut self, least: usize) -> Result<usize, ReadError> {
         let at = self.at;
         let count = u32::decode(self)? as usize;
@@ -81,11 +88,19 @@ impl<'a> Reader<'a> {
         is_possible.then_some(count).ok_or(ReadError::Truncated(at))
     }
 
-    pub(crate) const fn invalid_value<T>(&self) -> Result<T, ReadError> {
-        Err(ReadError::InvalidValue(self.at - 1))
+    /// Returns an error: the byte that was read last is not a value of its type.
+    ///
+    /// # Errors
+    /// Always, with the position of the byte.
+    pub const fn invalid_value<T>(&self) -> Result<T, ReadError> {
+        Err(ReadError::InvalidValue(self.at.saturating_sub(1)))
     }
 
-    pub(crate) fn expect_end(&self) -> Result<(), ReadError> {
+    /// Ensures that all bytes were read.
+    ///
+    /// # Errors
+    /// If bytes are left.
+    pub fn expect_end(&self) -> Result<(), ReadError> {
         match self.remaining() {
             0 => Ok(()),
             _ => Err(ReadError::TrailingBytes(self.at)),
@@ -93,11 +108,17 @@ impl<'a> Reader<'a> {
     }
 }
 
-/// Type that has a binary form in an image file: how its values are written and read.
-pub(crate) trait Encoding: Sized {
-    /// Minimum number of bytes of a value. It bounds the allocation that a length in a file can cause.
+/// Type that has a binary form: how its values are written and read.
+pub trait Encoding: Sized {
+    /// Minimum number of bytes of an encoded value. The reader rejects a list whose length exceeds the remaining bytes
+    /// divided by this minimum, so that a wrong length cannot cause a huge allocation.
     const MIN_BYTES: usize;
+    /// Appends the binary form of the value.
     fn encode(&self, out: &mut Vec<u8>);
+    /// Reads a value.
+    ///
+    /// # Errors
+    /// If the bytes end too early or are not a value of this type.
     fn decode(from: &mut Reader<'_>) -> Result<Self, ReadError>;
 }
 
@@ -116,6 +137,31 @@ macro_rules! numbers {
 }
 
 numbers!(u8, u16, u32, u64);
+
+impl Encoding for usize {
+    const MIN_BYTES: usize = u64::MIN_BYTES;
+    fn encode(&self, out: &mut Vec<u8>) {
+        (*self as u64).encode(out);
+    }
+    fn decode(from: &mut Reader<'_>) -> Result<Self, ReadError> {
+        let number = usize::try_from(u64::decode(from)?);
+        number.or_else(|_| from.invalid_value())
+    }
+}
+
+impl Encoding for bool {
+    const MIN_BYTES: usize = 1;
+    fn encode(&self, out: &mut Vec<u8>) {
+        out.push(u8::from(*self));
+    }
+    fn decode(from: &mut Reader<'_>) -> Result<Self, ReadError> {
+        match u8::decode(from)? {
+            0 => Ok(false),
+            1 => Ok(true),
+            _ => from.invalid_value(),
+        }
+    }
+}
 
 impl Encoding for String {
     const MIN_BYTES: usize = u32::MIN_BYTES;
@@ -178,17 +224,22 @@ impl<A: Encoding, B: Encoding> Encoding for (A, B) {
     }
 }
 
-/// Writes a length as `u32`. Saturation does not occur: the number of slots is bounded, and names come from a compiler.
+/// Writes a length as `u32`. A length above `u32::MAX` does not occur: the number of slots is bounded, and names come
+/// from a compiler.
 fn put_len(len: usize, out: &mut Vec<u8>) {
     u32::try_from(len).unwrap_or(u32::MAX).encode(out);
 }
 
-/// Implements [`Encoding`] for a struct: its fields in the given order.
+/// Bytes of an encoded value.
+pub type Bytes = Vec<u8>;
+
+/// Implements [`Encoding`](crate::encoding::Encoding) for a struct: its fields in the given order.
+#[macro_export]
 macro_rules! encode_struct {
     ($t:ident { $($field:ident : $ty:ty),* $(,)? }) => {
         impl $crate::encoding::Encoding for $t {
             const MIN_BYTES: usize = 0 $( + <$ty as $crate::encoding::Encoding>::MIN_BYTES )*;
-            fn encode(&self, out: &mut ::alloc::vec::Vec<u8>) {
+            fn encode(&self, out: &mut $crate::encoding::Bytes) {
                 $( $crate::encoding::Encoding::encode(&self.$field, out); )*
             }
             fn decode(from: &mut $crate::encoding::Reader<'_>) -> Result<Self, $crate::encoding::ReadError> {
@@ -198,12 +249,13 @@ macro_rules! encode_struct {
     };
 }
 
-/// Implements [`Encoding`] for an enum: the number of the variant (one byte), then its fields in the given order.
+/// Implements [`Encoding`](crate::encoding::Encoding) for an enum: the number of the variant (one byte), then its fields in the given order.
+#[macro_export]
 macro_rules! encode_enum {
     ($t:ident { $($tag:literal = $variant:ident $( { $($field:ident),* } )? $( ( $($item:ident),* ) )? ),* $(,)? }) => {
         impl $crate::encoding::Encoding for $t {
             const MIN_BYTES: usize = 1;
-            fn encode(&self, out: &mut ::alloc::vec::Vec<u8>) {
+            fn encode(&self, out: &mut $crate::encoding::Bytes) {
                 match self {
                     $( $t::$variant $( { $($field),* } )? $( ( $($item),* ) )? => {
                         out.push($tag);
@@ -224,5 +276,3 @@ macro_rules! encode_enum {
         }
     };
 }
-
-pub(crate) use {encode_enum, encode_struct};

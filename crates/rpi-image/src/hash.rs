@@ -25,7 +25,7 @@ impl Fnv1a {
         Fnv1a(hash)
     }
 
-    /// Returns the hash of all bytes so far.
+    /// Returns the 64-bit hash of all bytes so far.
     #[must_use]
     pub const fn finish(self) -> u64 {
         self.0
@@ -45,15 +45,17 @@ impl Write for Fnv1a {
     }
 }
 
-/// Returns the identity of a result: the hash of `command.result` as an integer. The flow `predecessor` carries it.
+/// Returns a number that identifies a result of a command: the FNV-1a hash of the text `command.result`, as a signed
+/// integer. The flow [`CommandFlow::Predecessor`](crate::desc::CommandFlow::Predecessor) has this value in the next
+/// command.
 #[must_use]
 pub fn result_id(command: &str, result: &str) -> i64 {
     let hash = Fnv1a::new().with_bytes(command.as_bytes()).with_bytes(b".");
     hash.with_bytes(result.as_bytes()).finish().cast_signed()
 }
 
-/// Returns the signature of a primitive: the hash of all parts of its declaration on which the operand words of an
-/// image depend.
+/// Returns the signature of a primitive: the hash of its name, ports, parameters and state size. An image with another
+/// signature for the primitive was compiled for another declaration.
 #[must_use]
 pub fn prim_signature(desc: &PrimDesc) -> u64 {
     let mut hash = Fnv1a::new();

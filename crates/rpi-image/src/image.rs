@@ -11,129 +11,139 @@ use crate::types::Type;
 use alloc::string::String;
 use alloc::vec::Vec;
 
-/// Slot that always holds 0: the constant false, and the presence of a flow that is never present.
+/// Index of the slot that always holds 0: the constant false, and the presence of a flow that is never present.
 pub const FALSE: u32 = 0;
-/// Slot that always holds 1: the constant true, and the presence of a flow that is always present.
+/// Index of the slot that always holds 1: the constant true, and the presence of a flow that is always present.
 pub const TRUE: u32 = 1;
-/// Upper bound of the memory of one command, in slots (64 MiB). It limits the memory used by loading any image to 200
+/// Maximum memory of one command, in slots of 8 bytes (64 MiB). With this limit, loading any image takes at most 200
 /// MB.
 pub const MAX_SLOTS: u32 = 1 << 23;
 
-/// Compiled command: a flat list of steps with its slots, ports and results.
+/// Compiled command: memory layout, steps with their operands, and tables of the ports, flows and results.
 #[derive(Clone, PartialEq, Debug, Default)]
 pub struct Image {
     /// Name of the command.
     pub name: String,
-    /// Period, ns. State sizes (windows) and clocks are laid out for it.
+    /// Period of the command, the time between two of its cycles, in ns. The sizes of states (such as windows in
+    /// seconds) and the clocks are computed for this period.
     pub period_ns: u64,
-    /// Length of a tick, ns: the unit of values of type `time`. The period is a whole multiple of it.
+    /// Length of a tick, the smallest time step of the core, in ns. The period is a whole multiple of it.
     pub tick_ns: u64,
-    /// Ends of the memory regions of the command.
+    /// Ends of the four memory regions of the command.
     pub layout: Layout,
-    /// Initial contents of slots that do not start as 0: (slot, bits), in ascending order of slots.
+    /// Initial contents of the slots that do not start as 0: pairs of a slot index and its 64 bits, in ascending order
+    /// of slots.
     pub init: Vec<(u32, u64)>,
-    /// Primitives that the steps of the image call.
+    /// Primitives that the steps of the image call. [`Step::Run`] indexes this list.
     pub prims_used: Vec<PrimUse>,
-    /// Operand words of all steps.
+    /// Operand words of all steps: indices of slots, and sizes. The steps refer to ranges of this list.
     pub code: Vec<u32>,
-    /// Steps of the evaluation phase.
+    /// Steps of the evaluation phase, in which a cycle computes its values, in order of execution.
     pub steps: Vec<Step>,
-    /// Steps of the commit phase: only [`Step::Skip`] and [`Step::Copy`].
+    /// Steps of the commit phase, which stores the state for the next cycle. Only [`Step::Skip`] and [`Step::Copy`]
+    /// occur.
     pub commit: Vec<Step>,
-    /// Fragments, each after its parent. The first one is the root.
+    /// Fragments (parts of the net that are active only in some cycles), each after the fragment that encloses it. The
+    /// first one is the root.
     pub fragments: Vec<Fragment>,
-    /// Sensor ports, read before evaluation.
+    /// Sensor ports, which the core reads before the evaluation phase.
     pub sensors: Vec<SensorPort>,
     /// Actuator ports used by [`Step::Actuate`].
     pub actuators: Vec<ActuatorPort>,
     /// Device functions used by [`Step::Call`].
     pub functions: Vec<DeviceFunction>,
-    /// Flows set from outside between cycles.
+    /// Flows that the host of the command sets between two cycles.
     pub inputs: Vec<InputPort>,
-    /// Flows published after each cycle.
+    /// Flows that the core publishes after each cycle.
     pub exports: Vec<Export>,
-    /// Flows provided by the core before evaluation.
+    /// Flows that the core provides before the evaluation phase, such as the time.
     pub flows: Vec<CoreFlow>,
-    /// Named results or ports by which the command ends.
+    /// Conditions that end the command: named results, or ports of an imported net.
     pub end: CommandEnd,
-    /// Source locations and observable ports. A cycle does not use them.
+    /// Source locations and observable ports. The evaluation of a cycle does not use them.
     pub debug: DebugInfo,
 }
 
-/// Ends of the memory regions, in ascending order: constants, external slots, state, values.
+/// Ends of the four memory regions, as slot indices. The regions follow one another in the order of the fields:
+/// constants, external slots, state, values.
 #[derive(Clone, Copy, PartialEq, Eq, Debug, Default)]
 pub struct Layout {
-    /// End of the constants. The region starts at slot 0 and is never written.
+    /// Slot after the constants. The constants start at slot 0, and no step writes them.
     pub constants: u32,
-    /// End of the external slots (sensors, inputs, flows of the core). They are written only between evaluations.
+    /// Slot after the external slots (samples of sensors, inputs, flows of the core). The core writes them before the
+    /// evaluation phase; no step writes them.
     pub external: u32,
-    /// End of the state: the slots kept from cycle to cycle, which a reset restores.
+    /// Slot after the state. The state is preserved from one cycle to the next, and a reset of a fragment restores its
+    /// initial content.
     pub state: u32,
-    /// End of the values, and number of slots. Each value is written by exactly one step before it is read.
+    /// Slot after the values, which is the number of slots of the memory. At most one step writes a value slot, and it
+    /// comes before every step that reads the slot.
     pub end: u32,
 }
 
-/// Primitive that an image calls, with the declaration it was compiled for.
+/// Primitive that an image calls, with a hash of the declaration for which the image was compiled.
 #[derive(Clone, PartialEq, Eq, Debug)]
 pub struct PrimUse {
-    /// Registered name.
+    /// Name under which the primitive is registered, such as `Core::DoubleAdd`.
     pub name: String,
-    /// Signature of the declaration for which the image was compiled ([`crate::hash::prim_signature`]).
+    /// Hash of the name, ports, parameters and state size of the primitive for which the image was compiled
+    /// ([`crate::hash::prim_signature`]). The core rejects an image whose hash differs from that of its own primitive.
     pub signature: u64,
 }
 
-/// Variant of the code of a primitive.
+/// Variant of the code of a primitive: with or without support for absent values.
 #[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Debug)]
 pub enum Form {
-    /// Code for ports that are always present; the operands hold no presence words.
+    /// Variant for ports that are always present. Its operands contain no presence slots.
     Total,
-    /// Code for ports that may be absent; each port has a presence word.
+    /// Variant for ports that may be absent. The operand of each port ends with the index of its presence slot.
     Optional,
 }
 
 /// Instruction of an image: a call of primitives, a copy, a jump or a device access.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub enum Step {
-    /// Calls a primitive once for each group of operand words in the range of [`Image::code`].
+    /// Calls a primitive once for each group of operand words in a range of [`Image::code`]. A group holds the operands
+    /// of one call.
     Run {
-        /// Index into [`Image::prims_used`].
+        /// Primitive to call: an index into [`Image::prims_used`].
         prim: u16,
-        /// Variant of the code.
+        /// Variant of the code of the primitive that the step calls.
         form: Form,
         /// Index of the first operand word in [`Image::code`].
         start: u32,
-        /// Number of operand words: a multiple of the words per group.
+        /// Number of operand words: the number of calls times the number of words per call.
         len: u32,
     },
-    /// Copies single slots. The operand words are pairs (source, destination).
+    /// Copies single slots. The operand words are pairs of indices: source slot, destination slot.
     Copy {
         /// Index of the first operand word in [`Image::code`].
         at: u32,
-        /// Number of operand words: twice the number of slots.
+        /// Number of operand words: twice the number of copied slots.
         len: u32,
     },
-    /// Jumps to step `to` unless the Boolean slot `unless` is true.
+    /// Jumps to step `target` if the Boolean slot `unless` is false; else continues with the next step.
     Skip {
-        /// Slot of the Boolean; the step jumps if it is false.
+        /// Index of the Boolean slot. The step jumps if the slot is false.
         unless: u32,
-        /// Index of a later step in the same list.
+        /// Index of the step to jump to: a later step in the same list of steps.
         target: u32,
     },
-    /// Resets the state of a fragment and of all fragments in it, unless the Boolean slot `unless` is true.
+    /// Restores the initial state of a fragment and of all fragments in it if the Boolean slot `unless` is false.
     Reset {
-        /// Slot of the Boolean; the step does nothing if it is true.
+        /// Index of the Boolean slot. The step does nothing if the slot is true.
         unless: u32,
-        /// Index into [`Image::fragments`].
+        /// Fragment to reset: an index into [`Image::fragments`].
         fragment: u32,
     },
-    /// Checks a set-point and stages it for the write phase.
+    /// Checks a set-point and stores it until the write phase, which hands it over to the device.
     Actuate {
-        /// Index into [`Image::actuators`].
+        /// Actuator port that receives the set-point: an index into [`Image::actuators`].
         actuator: u32,
     },
-    /// Calls a function of a device.
+    /// Calls a function of a device, such as inverse kinematics.
     Call {
-        /// Index into [`Image::functions`].
+        /// Device function to call: an index into [`Image::functions`].
         function: u32,
     },
 }
@@ -141,34 +151,35 @@ pub enum Step {
 /// Adjacent slots of the memory of an image: index of the first one, and their number.
 #[derive(Clone, Copy, PartialEq, Eq, Debug, Default)]
 pub struct SlotRange {
-    /// First slot.
+    /// Index of the first slot of the range.
     pub start: u32,
-    /// Number of slots.
+    /// Number of slots in the range.
     pub len: u32,
 }
 
 impl SlotRange {
-    /// Returns the slot after the last one; saturates at `u32::MAX`.
+    /// Returns the index of the slot after the range; at most `u32::MAX`.
     #[must_use]
     pub const fn end(self) -> u32 {
         self.start.saturating_add(self.len)
     }
 
-    /// Returns the range as indices into the memory.
+    /// Returns the range as indices into the slots of the memory.
     #[must_use]
     pub const fn range(self) -> core::ops::Range<usize> {
         self.start as usize..self.end() as usize
     }
 }
 
-/// Location of a flow in memory.
+/// Location of a flow in memory: the slots of its value and the slot of its presence.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub struct Signal {
-    /// First slot of the value.
+    /// Index of the first slot that holds the value.
     pub start: u32,
-    /// Boolean slot of the presence.
+    /// Index of the Boolean slot that is 1 while the flow has a value, else 0. It is [`TRUE`] for a flow that always
+    /// has a value.
     pub present: u32,
-    /// Type of the flow's values, which decides the number of slots.
+    /// Type of the values of the flow. It gives the number of slots from `start` on.
     pub ty: Type,
 }
 
@@ -183,54 +194,57 @@ impl Signal {
     }
 }
 
-/// Fragment: a part of the net that runs only while it is active.
+/// Part of the net that runs only while it is active. An inactive fragment preserves its state.
 #[derive(Clone, PartialEq, Eq, Debug)]
 pub struct Fragment {
-    /// Path from the root, for example `outer/inner`; empty for the root.
+    /// Path of the fragment from the root through the fragments around it, for example `outer/inner`; empty for the
+    /// root.
     pub path: String,
-    /// Index of the enclosing fragment; `None` for the root.
+    /// Index of the fragment that directly encloses this one, in [`Image::fragments`]; `None` for the root.
     pub parent: Option<u32>,
-    /// Boolean slot: true while the fragment is active. The fragment runs only if its parent is active, too.
+    /// Index of the Boolean slot that is true while the fragment is active. The fragment runs only if the enclosing
+    /// fragments are active, too.
     pub active: u32,
-    /// State of the fragment, including that of all fragments in it.
+    /// Slots of the state of the fragment, including the states of all fragments in it.
     pub state: SlotRange,
 }
 
-/// Device port, identified by name.
+/// Port of a device, identified by the names of the device and of the port.
 #[derive(Clone, PartialEq, Eq, Debug)]
 pub struct DevicePort {
     /// Name of the device in the cell description.
     pub device: String,
     /// Name of the port within the device, such as `joint.position`.
     pub port: String,
-    /// Index among several equal ports; 0 if there is only one.
+    /// Index of the port if the device has several ports of this name, such as the number of an axis from 0; else 0.
     pub index: u32,
-    /// Type of the value; for a function, type of the result.
+    /// Type of the value at the port; for a function, type of the result.
     pub ty: Type,
 }
 
-/// Sensor port, read into external slots before evaluation.
+/// Sensor port of a device, read into external slots before the evaluation phase of each cycle.
 #[derive(Clone, PartialEq, Eq, Debug)]
 pub struct SensorPort {
-    /// Port that is read.
+    /// Device and port, such as `arm.position`, from which the core reads the value in each cycle.
     pub port: DevicePort,
-    /// Destination of the sample. If its presence is [`TRUE`], a missing sample is a fault.
+    /// Slots that receive the sample. If the presence slot is [`TRUE`], a cycle without a sample raises a fault.
     pub value: Signal,
 }
 
-/// Actuator port, set by [`Step::Actuate`].
+/// Actuator port of a device, to which [`Step::Actuate`] hands a set-point.
 #[derive(Clone, PartialEq, Eq, Debug)]
 pub struct ActuatorPort {
     /// Port of the device that the set-point drives.
     pub port: DevicePort,
-    /// Set-point: the concatenation of these slots.
+    /// Slots of the set-point: the concatenation of these ranges.
     pub inputs: Vec<SlotRange>,
-    /// Responses of the device, each with the value slot that receives it.
+    /// Responses of the device to the set-point, each with the index of the slot that receives it.
     pub responses: Vec<(DeviceResponse, u32)>,
 }
 
 impl ActuatorPort {
-    /// Returns the slot by which [`Image::location_of`] finds the node: the first response, else the first input, else 0.
+    /// Returns the slot by which [`Image::location_of`] finds the source location of the actuator node: the slot of the
+    /// first response, else the first slot of the set-point, else 0.
     #[must_use]
     pub fn origin_slot(&self) -> u32 {
         let answer = self.responses.first().map(|answer| answer.1);
@@ -239,61 +253,63 @@ impl ActuatorPort {
     }
 }
 
-/// Function of a device, called by [`Step::Call`].
+/// Function of a device that [`Step::Call`] calls.
 #[derive(Clone, PartialEq, Eq, Debug)]
 pub struct DeviceFunction {
-    /// Port that is called.
+    /// Device and name of the function, such as the planning of a motion by the arm.
     pub port: DevicePort,
-    /// Arguments: the concatenation of these slots.
+    /// Slots of the arguments: the concatenation of these ranges.
     pub arguments: Vec<SlotRange>,
-    /// Destination of the result: the concatenation of these slots.
+    /// Slots that receive the result: the concatenation of these ranges.
     pub results: Vec<SlotRange>,
-    /// Boolean slot that receives the presence of the result. If it is [`TRUE`], a missing result becomes not-a-number.
+    /// Index of the Boolean slot that becomes true if the device returns a result. If it is [`TRUE`], the result must
+    /// be present and becomes NaN if the device returns none.
     pub present: u32,
-    /// Bound of the device's work for a call, in elementary operations (a real addition is 1).
+    /// Upper bound of the work of the device for one call, in elementary operations (the addition of two reals is 1).
     pub work: u32,
 }
 
-/// Flow set from outside between cycles.
+/// Flow that the host of the command sets between two cycles.
 #[derive(Clone, PartialEq, Eq, Debug)]
 pub struct InputPort {
-    /// Name under which the host sets the input.
+    /// Name under which the host sets the flow.
     pub key: String,
-    /// Destination of the value.
+    /// Slots to which the core writes the value before each cycle.
     pub value: Signal,
-    /// Destination of the logical time of the last update; `None` if it is not used.
+    /// Slots that receive the logical time of the last update by the host; `None` if the program does not use the time.
     pub last_updated: Option<Signal>,
 }
 
-/// Flow published after each cycle.
+/// Flow that the core publishes after each cycle.
 #[derive(Clone, PartialEq, Eq, Debug)]
 pub struct Export {
     /// Name under which the host reads the exported flow.
     pub key: String,
-    /// Published flow.
+    /// Slots of the value and presence of the flow that the core publishes.
     pub value: Signal,
 }
 
-/// Flow provided by the core.
+/// Flow whose value the core provides to a command in each cycle, such as `time` or `cancel`.
 #[derive(Clone, PartialEq, Eq, Debug)]
 pub struct CoreFlow {
-    /// Which flow it is, such as `time`, `cancel` or `takeover`.
+    /// Flow that the core provides, such as `time`, `cancel` or `takeover`.
     pub kind: CommandFlow,
-    /// Destination of the value.
+    /// Slots to which the core writes the value of the flow before each cycle.
     pub value: Signal,
 }
 
-/// Way in which a command ends: by named results in programs, by ports in imported nets.
+/// Conditions that end a command: named results in a program, ports in an imported net.
 #[derive(Clone, PartialEq, Eq, Debug)]
 pub enum CommandEnd {
-    /// Named results, in source order.
+    /// The command ends with a result whose condition is true. If several are true in a cycle, a `fail` result takes
+    /// precedence, then the first one in source order.
     Results(Vec<NamedResult>),
-    /// Ports: a true `terminate` ends the command, and a `fail` other than 0 is its error number. Absence means false
-    /// and 0.
+    /// A true value at `terminate` ends the command. The value at `fail` is then its error number; 0 means no error. An
+    /// absent value counts as false or 0.
     Ports {
-        /// Boolean that ends the command.
+        /// Boolean flow that ends the command if it is true; `None` if the net has no such port.
         terminate: Option<Signal>,
-        /// Error number (int).
+        /// Integer flow with the error number; `None` if the net has no such port.
         fail: Option<Signal>,
     },
 }
@@ -304,30 +320,31 @@ impl Default for CommandEnd {
     }
 }
 
-/// Named result of a command.
+/// Named result of a command, with the condition that ends the command.
 #[derive(Clone, PartialEq, Eq, Debug)]
 pub struct NamedResult {
-    /// Name of the result.
+    /// Name of the result in the program.
     pub name: String,
-    /// Kind of the result.
+    /// Whether the command finishes, fails or yields to its successor with this result.
     pub kind: CommandEndKind,
-    /// Boolean that ends the command with this result; absence means false.
+    /// Boolean flow that ends the command with this result if it is true. An absent value counts as false.
     pub condition: Signal,
 }
 
-/// What it means that a command ends with a result.
+/// Meaning of a result with which a command ends: normal end, takeover by a successor, or error.
 #[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Debug)]
 pub enum CommandEndKind {
-    /// All resources are at rest.
+    /// The command is done, and all its resources are at rest.
     Finish,
-    /// Resources may be in motion; a successor must take over.
+    /// The command is done, but its resources may be in motion: a successor must take over.
     Yield,
     /// The command ends with an error.
     Fail,
 }
 
 impl Image {
-    /// Returns the source location for a fault at `cell`, the first output slot of a primitive.
+    /// Returns the source location of the node that raised a fault. `cell` is the first output slot of its primitive,
+    /// as reported with the fault. Returns `None` for another slot.
     #[must_use]
     pub fn location_of(&self, cell: u32) -> Option<&SourceLocation> {
         let found = self
@@ -340,7 +357,7 @@ impl Image {
             .get(self.debug.origins.get(found)?.1 as usize)
     }
 
-    /// Returns the source location of the first node that sets a port of `device`.
+    /// Returns the source location of the first node that hands a set-point to `device`; `None` if no node does.
     #[must_use]
     pub fn location_of_device(&self, device: &str) -> Option<&SourceLocation> {
         let mut actuators = self.actuators.iter();
@@ -348,7 +365,7 @@ impl Image {
         self.location_of(actuator.origin_slot())
     }
 
-    /// Returns the approximate memory of the image, in bytes, including its lists and texts.
+    /// Returns the approximate memory of the image in bytes, including its lists and texts.
     #[must_use]
     pub fn memory_bytes(&self) -> usize {
         let ports = self.sensors.iter().map(|s| &s.port);
@@ -379,7 +396,7 @@ impl Image {
         size_of_val(self) + texts + lists + parts.chain(arguments).sum::<usize>()
     }
 
-    /// Returns the name of a probe, `path.port`.
+    /// Returns the name of an observable port: the path of its node, a dot and the name of the port.
     #[must_use]
     pub fn probe_name(&self, probe: &Probe) -> String {
         let path = self

@@ -9,7 +9,7 @@ extern crate alloc;
 pub mod claim;
 mod debug_info;
 pub mod desc;
-mod encoding;
+pub mod encoding;
 pub mod hash;
 pub mod image;
 pub mod operands;

@@ -4,27 +4,29 @@ use crate::desc::{ParamType, PortType, PrimDesc, StateSize};
 use crate::image::Form;
 use alloc::vec::Vec;
 
-/// Port, parameter or state that an operand stands for, in one call of a primitive.
+/// Port, parameter or state of a primitive to which an operand of a call belongs.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub enum OperandRole {
-    /// Operand for the in-port with this index.
+    /// The operand holds the slots of the in-port with this index in [`PrimDesc::inputs`].
     Input(usize),
-    /// Operand for the parameter with this index.
+    /// The operand holds the slots of the parameter with this index in [`PrimDesc::params`].
     Param(usize),
-    /// Operand for the out-port with this index.
+    /// The operand holds the slots of the out-port with this index in [`PrimDesc::outputs`].
     Output(usize),
-    /// Operand for the state of the primitive.
+    /// The operand holds the slots of the state of the primitive.
     State,
 }
 
-/// Operand of a primitive call in the code of an image. Its words are the first slot, then sizes, then the presence.
+/// Layout of one operand of a primitive call in the code of an image. Its words are the index of the first slot, then
+/// the length or shape, then the index of the presence slot; the last two only if needed.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub struct Operand {
-    /// Port, parameter or state that the operand stands for.
+    /// Port, parameter or state to which the operand belongs.
     pub role: OperandRole,
-    /// Number of words for the length or shape, after the first slot.
+    /// Number of words for the length or shape: 0 for a scalar, 1 for an array or a state of computed size, 2 for a
+    /// matrix.
     pub size_words: usize,
-    /// Whether the last word is a presence slot.
+    /// True if the last word is the index of a presence slot.
     pub has_presence: bool,
 }
 
@@ -36,7 +38,7 @@ impl Operand {
     }
 }
 
-/// Returns the operands of one call of a primitive in order: inputs, parameters, outputs, state.
+/// Returns the operands of one call of a primitive in the order of their words: inputs, parameters, outputs, state.
 #[must_use]
 pub fn operand_layout(desc: &PrimDesc, form: Form) -> Vec<Operand> {
     let presence = form == Form::Optional;
@@ -65,7 +67,7 @@ pub fn operand_layout(desc: &PrimDesc, form: Form) -> Vec<Operand> {
     inputs.chain(params).chain(outputs).chain(state).collect()
 }
 
-/// Returns the number of operand words of one call of a primitive.
+/// Returns the number of operand words of one call of a primitive; `fields` are the operands of the call.
 #[must_use]
 pub fn group_words(fields: &[Operand]) -> usize {
     fields.iter().map(|f| f.words()).sum()
@@ -79,7 +81,8 @@ const fn port_sizes(ty: PortType) -> usize {
     }
 }
 
-/// Returns the number of size words of a parameter; `None` for a text, which has no operand.
+/// Returns the number of words for the length of a parameter: 0 for a scalar, 1 for an array. Returns `None` for a
+/// text, which has no operand.
 const fn param_sizes(ty: ParamType) -> Option<usize> {
     match ty {
         ParamType::Scalar(_) => Some(0),

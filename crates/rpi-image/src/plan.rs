@@ -6,56 +6,61 @@
 use alloc::string::String;
 use alloc::vec::Vec;
 
-/// Index of the next node of a plan. `None` means that the plan is done.
+use crate::encode_enum;
+
+/// Index of the node of a plan that is executed next. `None` is the end of the plan.
 pub type Target = Option<usize>;
 
-/// Node of the plan of a task: a command, a loop, parallel branches, a jump or the end.
+/// Node of the plan of a task. `C` identifies a command: by name in the compiler, by index in the runtime.
 #[derive(Clone, PartialEq, Eq, Debug)]
 pub enum PlanNode<C> {
-    /// Continues with another node.
+    /// Jump: the plan continues with the given node.
     Goto(Target),
-    /// Entry of a loop: sets the count of this [`PlanNode::Repeat`] to 0 and continues there.
+    /// Entry of a loop: sets the iteration count of the [`PlanNode::Repeat`] with this index to 0 and continues with
+    /// that node.
     EnterLoop(usize),
-    /// Loop: repeats its body.
+    /// Head of a loop. The plan comes back here after each iteration of the body.
     Repeat {
         /// Number of iterations; `None` for an endless loop.
         count: Option<u64>,
-        /// First node of the body of the loop.
+        /// First node of the body of the loop, which is executed in each iteration.
         body: Target,
         /// Node after the last iteration.
         next: Target,
     },
-    /// Parallel branches. The plan continues when all of them have reached their [`PlanNode::Join`].
+    /// Start of parallel branches. The plan continues after they have all reached their [`PlanNode::Join`].
     Parallel {
-        /// First node of each parallel branch.
+        /// First node of each of the parallel branches.
         branches: Vec<Target>,
-        /// Node after the branches.
+        /// Node that follows when all branches have ended.
         then: Target,
     },
     /// End of a parallel branch, which waits for the other branches.
     Join,
-    /// Exit from parallel branches because of an error. The other branches are requested to end first.
+    /// Exit from parallel branches because of an error in one of them. The plan requests the other branches to end, and
+    /// waits for them.
     CancelBranches {
-        /// Node with the parallel branches.
+        /// Index in the plan of the [`PlanNode::Parallel`] that started the branches.
         parallel: usize,
-        /// Node after the branches have ended.
+        /// Node that follows when all branches have ended.
         then: Target,
     },
-    /// Execution of a command.
+    /// Execution of a command. The result of the command selects the next node.
     Run {
-        /// The command that runs in this step.
+        /// Command that this node executes.
         command: C,
-        /// Next nodes for named results of the command.
+        /// Next node for each result that the task handles by name: pairs of the name of the result and the node.
         on_result: Vec<(String, Target)>,
-        /// Next node for every other `fail` result; `None` if the task then ends with the error of the command.
+        /// Next node for a `fail` result without an entry in `on_result`; `None` if such a result ends the task with an
+        /// error.
         on_fail: Option<Target>,
-        /// Next node for every other result; `None` if `on_result` must name all of them.
+        /// Next node for any other result without an entry in `on_result`; `None` if `on_result` names all of them.
         default: Option<Target>,
     },
 }
 
 impl<C> PlanNode<C> {
-    /// Returns the same node with its command replaced by `of(command)`; the targets are unchanged.
+    /// Returns the same node with its command replaced by `of(command)`; the indices of the next nodes are unchanged.
     #[must_use]
     pub fn map<D>(&self, of: impl FnOnce(&C) -> D) -> PlanNode<D> {
         match self {
@@ -95,3 +100,16 @@ impl<C> PlanNode<C> {
         }
     }
 }
+
+/// Node of a plan in which commands are indices into a list of images.
+pub type IndexedNode = PlanNode<usize>;
+
+encode_enum!(IndexedNode {
+    0 = Goto(then),
+    1 = EnterLoop(repeat),
+    2 = Repeat { count, body, next },
+    3 = Parallel { branches, then },
+    4 = Join,
+    5 = CancelBranches { parallel, then },
+    6 = Run { command, on_result, on_fail, default },
+});

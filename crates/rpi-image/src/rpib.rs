@@ -4,7 +4,7 @@
 //! it, and a length read from a file cannot make the reader allocate more than the size of the file allows.
 
 use crate::desc::{CommandFlow, DeviceResponse};
-use crate::encoding::{Encoding, ReadError, Reader, encode_enum, encode_struct};
+use crate::encoding::{Encoding, ReadError, Reader};
 use crate::hash::Fnv1a;
 use crate::image::{
     ActuatorPort, CommandEnd, CommandEndKind, CoreFlow, DebugInfo, DeviceFunction, DevicePort,
@@ -12,17 +12,18 @@ use crate::image::{
     Signal, SlotRange, SourceLocation, Step, TextRange,
 };
 use crate::types::{Scalar, Type};
+use crate::{encode_enum, encode_struct};
 use alloc::string::String;
 use alloc::vec::Vec;
 
 const MAGIC: [u8; 4] = *b"RPIB";
-/// Version of the format. Any change of a table below needs a new version.
+/// Version of the `.rpib` format. Any change of a table in this file needs a new version.
 pub const VERSION: u16 = 3;
-/// Length of magic number, version and checksum, in bytes.
+/// Length of the header of a file in bytes: magic number, version and checksum.
 const HEADER_LEN: usize = MAGIC.len() + size_of::<u16>() + size_of::<u64>();
 
-/// Updates the checksum in the header of `file`. Does nothing if the file is shorter than a header. For tests and tools
-/// that modify files.
+/// Computes the checksum of the content of an image file and writes it to the header of `file`, for tests and tools
+/// that modify files. Does nothing if the file is shorter than a header.
 pub fn update_checksum(file: &mut [u8]) {
     if let Some((header, content)) = file.split_at_mut_checked(HEADER_LEN) {
         let checksum = Fnv1a::new().with_bytes(content).finish();
@@ -31,7 +32,7 @@ pub fn update_checksum(file: &mut [u8]) {
 }
 
 impl Image {
-    /// Returns the content of a `.rpib` file.
+    /// Returns the image in the binary form of a `.rpib` file.
     #[must_use]
     pub fn to_bytes(&self) -> Vec<u8> {
         let mut content = Vec::new();
@@ -47,10 +48,10 @@ impl Image {
         bytes
     }
 
-    /// Reads a `.rpib` file. The image is not verified.
+    /// Reads an image from the bytes of a `.rpib` file. The image is not verified: see [`crate::verify()`].
     ///
     /// # Errors
-    /// Returns the reason and the position in the file.
+    /// Returns an error with the position in the file if the bytes are not a complete image of this version.
     pub fn from_bytes(bytes: &[u8]) -> Result<Image, ReadError> {
         let rest = bytes.strip_prefix(&MAGIC).ok_or(ReadError::NotAnImage)?;
         let mut header = Reader::new(rest);

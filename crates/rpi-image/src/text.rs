@@ -11,7 +11,8 @@ use alloc::vec::Vec;
 use alloc::{format, vec};
 use core::fmt::Write;
 
-/// Returns the text form of an image. Operand words of primitives that are not in the catalogue are printed as numbers.
+/// Returns a readable text of an image, with one line per table entry and per step. `catalogue` provides the
+/// declarations of primitives; the operand words of an unknown primitive are printed as numbers.
 #[must_use]
 pub fn print(image: &Image, catalogue: PrimLookup<'_>) -> String {
     let printer = Printer {
@@ -31,7 +32,8 @@ struct Printer<'a> {
     names: BTreeMap<u32, String>,
 }
 
-/// Returns the names of slots, from probes, sensors, inputs and flows.
+/// Returns a readable name for each slot of a probe, sensor, input or flow of the core. The presence slot has the name
+/// of the value with `?`. Constants get no name.
 fn slot_names(image: &Image) -> BTreeMap<u32, String> {
     let mut names = BTreeMap::new();
     let probes = image.debug.probes.iter();
@@ -244,7 +246,8 @@ impl Printer<'_> {
         }
     }
 
-    /// Returns the value of a scalar constant, or the name of any other slot.
+    /// Returns the text of a slot: the number that it holds if it is a constant real, integer or time according to
+    /// `scalar`, else the name of the slot.
     fn value(&self, cell: u32, scalar: Option<Scalar>) -> String {
         let bits = || {
             let found = self.image.init.binary_search_by_key(&cell, |c| c.0);

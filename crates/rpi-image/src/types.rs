@@ -2,33 +2,33 @@
 
 use core::fmt;
 
-/// Element type of fixed size: scalars in the usual sense, and vectors, poses and the like.
+/// Element type of fixed size: scalars in the usual sense, and vectors, rotations, poses, twists and wrenches.
 ///
-/// Memory consists of 64-bit slots. [`Scalar::slots`] is the number of slots per value.
+/// Memory consists of 64-bit slots. [`Scalar::slots`] is the number of slots of one value.
 #[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Debug)]
 pub enum Scalar {
-    /// Truth value, one slot: 0 or 1.
+    /// Truth value in one slot: 0 or 1.
     Bool,
-    /// 64-bit signed integer.
+    /// 64-bit signed integer in one slot.
     Int,
-    /// IEEE 754 double.
+    /// IEEE 754 double in one slot, in SI units.
     Real,
-    /// Point in time, ns since the Unix epoch (64-bit signed).
+    /// Point in time: ns since the Unix epoch, as a 64-bit signed integer in one slot.
     Time,
-    /// Three reals x, y, z; metres for a position.
+    /// Vector of three reals x, y, z in three slots; in metres for a position.
     Vector,
-    /// Unit quaternion, slots x, y, z, w.
+    /// Rotation as a unit quaternion in four slots, in the order x, y, z, w.
     Rotation,
-    /// Position (3 slots, m), then rotation (4 slots).
+    /// Position (3 slots, in metres), then rotation (4 slots, unit quaternion).
     Pose,
-    /// Linear velocity (3 slots, m/s), then angular velocity (3 slots, rad/s).
+    /// Linear velocity (3 slots, in m/s), then angular velocity (3 slots, in rad/s).
     Twist,
-    /// Force (3 slots, N), then torque (3 slots, N m).
+    /// Force (3 slots, in N), then torque (3 slots, in N m).
     Wrench,
 }
 
 impl Scalar {
-    /// All scalars in declaration order.
+    /// All element types, in declaration order.
     pub const ALL: [Scalar; 9] = [
         Scalar::Bool,
         Scalar::Int,
@@ -41,7 +41,7 @@ impl Scalar {
         Scalar::Wrench,
     ];
 
-    /// Returns the number of slots of one value.
+    /// Returns the number of 64-bit slots of one value of this type.
     #[must_use]
     pub const fn slots(self) -> u32 {
         match self {
@@ -53,7 +53,7 @@ impl Scalar {
         }
     }
 
-    /// Returns the name in `.rpi` programs and in messages.
+    /// Returns the name of the type in `.rpi` programs and in messages, such as `real` or `Pose`.
     #[must_use]
     pub const fn name(self) -> &'static str {
         match self {
@@ -76,19 +76,19 @@ impl fmt::Display for Scalar {
     }
 }
 
-/// Type of the values of a flow, which determines their slots.
+/// Type of the values of a flow. It gives the number of slots of a value.
 #[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Debug)]
 pub enum Type {
-    /// Single value.
+    /// Single value of the given element type.
     Scalar(Scalar),
-    /// Array: `len` values of one scalar type, contiguous in memory.
+    /// Array with an element type and a length. The elements are contiguous in memory.
     Array(Scalar, u32),
-    /// Dense matrix of reals with (rows, columns), stored row by row.
+    /// Dense matrix of reals with the numbers of rows and columns, stored row by row.
     Matrix(u32, u32),
 }
 
 impl Type {
-    /// Returns the number of slots of one value; saturates at `u32::MAX`.
+    /// Returns the number of 64-bit slots of one value; at most `u32::MAX`.
     #[must_use]
     pub const fn slots(self) -> u32 {
         match self {
@@ -98,9 +98,9 @@ impl Type {
         }
     }
 
-    /// Returns the factor by which a value of this size multiplies the declared [work](crate::PrimDesc::work) of a
-    /// primitive. The work is declared for arrays of up to 8 elements, assuming one pass, and for matrices of up to 6
-    /// by 6, assuming a multiplication or an elimination (cubic).
+    /// Returns the factor by which the work bound of a primitive grows for a value of this type (see
+    /// [work](crate::PrimDesc::work)); at least 1. The declared bound holds for arrays of up to 8 elements, with one
+    /// pass over the elements, and for matrices of up to 6 by 6, with a cubic operation such as a multiplication.
     #[must_use]
     pub const fn work_factor(self) -> u64 {
         let factor = match self {

@@ -3,10 +3,10 @@
 use crate::Range;
 use core::f64::consts::{PI, TAU};
 
-/// Half a turn, rad. For callers that should not import `core::f64::consts` themselves.
+/// Half a turn (π), in rad. For callers that should not import `core::f64::consts` themselves.
 pub const HALF_TURN: f64 = PI;
 
-/// Returns `angle` moved by full turns into [-π, π].
+/// Returns `angle` (rad) moved by full turns into [-π, π].
 #[must_use]
 pub fn wrap(angle: f64) -> f64 {
     if (-PI..=PI).contains(&angle) {
@@ -15,14 +15,14 @@ pub fn wrap(angle: f64) -> f64 {
     angle - TAU * libm::rint(angle / TAU)
 }
 
-/// Returns `angle` moved by full turns to the value nearest to `near`.
+/// Returns `angle` (rad) moved by full turns to the value nearest to `near` (rad).
 #[must_use]
 pub fn nearest_turn(angle: f64, near: f64) -> f64 {
     angle + TAU * libm::rint((near - angle) / TAU)
 }
 
-/// Returns `angle` moved by full turns into `range`, as near to `near` as possible; `None` if no such angle lies in
-/// `range`.
+/// Returns `angle` (rad) moved by full turns into `range`, as near to `near` (rad) as possible; `None` if no such angle
+/// lies in `range`.
 #[must_use]
 pub fn turn_within(angle: f64, near: f64, range: Range) -> Option<f64> {
     let nearest = nearest_turn(angle, near);
@@ -42,12 +42,12 @@ pub fn turn_within(angle: f64, near: f64, range: Range) -> Option<f64> {
         .find(|turn| range.contains(*turn))
 }
 
-/// Sine and cosine of an angle. They are stored together because every user needs both.
+/// Sine and cosine of an angle, stored together because every user needs both.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SinCos {
-    /// Sine of the angle.
+    /// Sine of the angle, from -1 to 1.
     pub sin: f64,
-    /// Cosine of the angle.
+    /// Cosine of the angle, from -1 to 1.
     pub cos: f64,
 }
 
@@ -59,13 +59,13 @@ impl SinCos {
         Self { sin, cos }
     }
 
-    /// Returns the angle in rad, from -π to π.
+    /// Returns the angle of this sine and cosine in rad, from -π to π.
     #[must_use]
     pub fn angle(self) -> f64 {
         libm::atan2(self.sin, self.cos)
     }
 
-    /// Returns sine and cosine of the difference `self` minus `other`.
+    /// Returns sine and cosine of the difference: the angle of `self` minus the angle of `other`.
     #[must_use]
     pub fn difference(self, other: Self) -> Self {
         Self {

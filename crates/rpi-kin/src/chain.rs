@@ -2,9 +2,10 @@
 
 use crate::Transform;
 use crate::angle::SinCos;
+use core::f64::consts::FRAC_PI_2;
 use nalgebra::{Matrix3, Rotation3, Translation3, Vector3};
 
-/// Denavit-Hartenberg convention of a table.
+/// Convention for the order of the four Denavit-Hartenberg transforms in a row of the table.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Convention {
     /// Denavit and Hartenberg, 1955: `Rz(theta) Tz(d) Tx(a) Rx(alpha)`. The frame of a link is at its distal end.
@@ -13,7 +14,8 @@ pub enum Convention {
     Modified,
 }
 
-/// Twist `alpha` of a link. Sine and cosine are stored, so that multiples of 90° are exact.
+/// Twist `alpha` of a link: the angle about x between the z axes of two rows. Stored as sine and cosine, so that
+/// multiples of 90° are exact.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct LinkTwist {
     sin: f64,
@@ -31,11 +33,19 @@ impl LinkTwist {
         cos: 0.0,
     };
 
-    /// Creates a twist from an angle in rad.
+    /// Creates a twist from an angle in rad. An angle within 1e-12 rad of a multiple of 90° becomes that multiple
+    /// exactly.
     #[must_use]
     pub fn from_angle(alpha: f64) -> Self {
+        let quarters = libm::rint(alpha / FRAC_PI_2);
         let SinCos { sin, cos } = SinCos::from_angle(alpha);
-        Self { sin, cos }
+        match libm::fabs(alpha - quarters * FRAC_PI_2) < 1e-12 {
+            true => Self {
+                sin: libm::rint(sin),
+                cos: libm::rint(cos),
+            },
+            false => Self { sin, cos },
+        }
     }
 }
 
@@ -48,28 +58,33 @@ pub enum JointType {
     Prismatic,
 }
 
-/// Row of a Denavit-Hartenberg table.
+/// Row of a Denavit-Hartenberg table: one joint and its link, with an optional fixed transform before them.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Link {
-    /// Length along x, in m.
+    /// Fixed transform from the frame of the previous row to the frame in which this row begins; `None` for the
+    /// identity. Rows from descriptions that place joints freely, such as URDF, use this transform, because the four
+    /// Denavit-Hartenberg parameters are badly conditioned for axes that are nearly parallel.
+    pub before: Option<&'static Transform>,
+    /// Denavit-Hartenberg parameter `a`: translation along x, in m.
     pub a: f64,
-    /// Twist about x.
+    /// Denavit-Hartenberg parameter `alpha`: rotation about x.
     pub alpha: LinkTwist,
-    /// Offset along z, in m.
+    /// Denavit-Hartenberg parameter `d`: translation along z, in m.
     pub d: f64,
-    /// Joint angle for `q = 0`, in rad.
+    /// Angle `theta` about z at joint value 0, in rad.
     pub offset: f64,
-    /// +1, or -1 if the vendor defines the opposite sense of rotation.
+    /// Sense of the joint value: +1, or -1 if the vendor counts the value in the opposite direction.
     pub sense: f64,
-    /// Whether the joint is revolute (values in rad) or prismatic (values in m).
+    /// Kind of the joint: revolute (values in rad) or prismatic (values in m).
     pub joint: JointType,
 }
 
 impl Link {
-    /// Creates a row of a revolute joint without offset, in the sense of the table.
+    /// Creates a row of a revolute joint from `a` (m), `alpha` and `d` (m), with offset 0 and sense +1.
     #[must_use]
     pub const fn new(a: f64, alpha: LinkTwist, d: f64) -> Self {
         Self {
+            before: None,
             a,
             alpha,
             d,
@@ -79,7 +94,26 @@ impl Link {
         }
     }
 
-    /// Returns the row with a prismatic joint.
+    /// Creates a row of a revolute joint about z of the frame that `before` places in the frame of the previous row.
+    #[must_use]
+    pub const fn placed(before: &'static Transform) -> Self {
+        Self {
+            before: Some(before),
+            ..Self::new(0.0, LinkTwist::NONE, 0.0)
+        }
+    }
+
+    /// Returns the length of the row in m: an upper bound of the distance from its frame to that of the previous row,
+    /// without the travel of a prismatic joint.
+    #[must_use]
+    pub fn length(&self) -> f64 {
+        let before = self
+            .before
+            .map_or(0.0, |before| before.translation.vector.norm());
+        before + libm::fabs(self.a) + libm::fabs(self.d)
+    }
+
+    /// Returns the row with its joint changed to a prismatic one.
     #[must_use]
     pub const fn prismatic(self) -> Self {
         Self {
@@ -88,7 +122,8 @@ impl Link {
         }
     }
 
-    /// Returns the rotation about z and the translation along z for a joint value.
+    /// Returns, for a joint value `q` (rad or m), sine and cosine of the rotation about z, and the translation along z
+    /// in m.
     #[inline]
     fn joint_motion(&self, q: f64) -> (SinCos, f64) {
         match self.joint {
@@ -97,7 +132,7 @@ impl Link {
         }
     }
 
-    /// Returns the row with the sense and the offset (rad) of the vendor.
+    /// Returns the row with this sense (+1 or -1) and this offset (rad) of the joint value.
     #[must_use]
     pub const fn with_sense(self, sense: f64, offset: f64) -> Self {
         Self {
@@ -108,23 +143,31 @@ impl Link {
     }
 }
 
-/// Kinematic chain: one row of the Denavit-Hartenberg table per joint, and fixed rows at the end (`fixed_links`),
-/// usually a flange.
+/// Kinematic chain: one row of a Denavit-Hartenberg table per joint, and fixed rows after the last joint
+/// (`fixed_links`), usually a flange.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Chain {
-    /// Convention of the rows.
+    /// Denavit-Hartenberg convention of all rows.
     pub convention: Convention,
-    /// Rows of the joints, from the base to the flange.
+    /// Rows of the joints, in order from the base to the flange.
     pub links: &'static [Link],
-    /// Fixed rows after the last joint.
+    /// Rows after the last joint, each evaluated at joint value 0.
     pub fixed_links: &'static [Link],
 }
 
 impl Chain {
-    /// Returns the number of joints.
+    /// Returns the number of joints of the chain.
     #[must_use]
     pub const fn axes(&self) -> usize {
         self.links.len()
+    }
+
+    /// Returns the sum of the lengths of all rows in m: an upper bound of the distance from the base to the flange,
+    /// without the travel of prismatic joints.
+    #[must_use]
+    pub fn length(&self) -> f64 {
+        let rows = self.links.iter().chain(self.fixed_links);
+        rows.map(Link::length).sum()
     }
 
     /// Returns the pose of the flange in the base frame for the joint values `q` (rad, m). Missing values count as 0;
@@ -146,23 +189,25 @@ impl Chain {
         end.transform()
     }
 
-    /// Returns the frames of the links of all joints in the base frame, in order, without the fixed rows at the end.
+    /// Returns the frames of the links of all joints in the base frame for the joint values `q` (rad, m), in order from
+    /// the base, without the fixed rows at the end.
     pub fn link_frames<'a>(&'a self, q: &'a [f64]) -> impl Iterator<Item = Transform> + 'a {
         self.frames(q).map(|frame| frame.transform())
     }
 
-    /// Returns the axes of all joints in the base frame, in the positive sense of the joint values.
+    /// Returns the axes of all joints in the base frame for the joint values `q` (rad, m), directed in the positive
+    /// sense of the joint values.
     pub fn axes_in_base<'a>(&'a self, q: &'a [f64]) -> impl Iterator<Item = JointAxis> + 'a {
-        let mut before = FrameColumns::BASE;
+        let mut previous = FrameColumns::BASE;
         self.frames(q).zip(self.links).map(move |(after, link)| {
-            // The joint of a standard row rotates about z of the previous frame, that of a modified row about z of its
-            // own frame.
+            // The joint of a standard row rotates about z of the frame in which the row begins, that of a modified row
+            // about z of its own frame.
             let turned = if self.convention == Convention::Standard {
-                before
+                previous.before(link)
             } else {
                 after
             };
-            before = after;
+            previous = after;
             JointAxis {
                 point: turned.p,
                 direction: turned.z * link.sense,
@@ -184,19 +229,19 @@ impl Chain {
     }
 }
 
-/// Axis of a joint in the base frame.
+/// Axis of rotation or translation of a joint, in the base frame.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct JointAxis {
-    /// Point on the axis, in m.
+    /// Point on the axis, in the base frame, in m.
     pub point: Vector3<f64>,
-    /// Direction of the axis: a unit vector.
+    /// Direction of the axis in the base frame: a unit vector.
     pub direction: Vector3<f64>,
-    /// Whether the joint is revolute (values in rad) or prismatic (values in m).
+    /// Kind of the joint: revolute (values in rad) or prismatic (values in m).
     pub joint: JointType,
 }
 
-/// Current frame of the forward recursion: columns of its rotation and origin. Cheaper than a product of matrices,
-/// because a row of the table only mixes two columns at a time.
+/// Frame of a link during forward kinematics: columns of its rotation matrix, and its origin in m, in the base frame.
+/// Cheaper than a product of matrices, because a row of the table mixes only two columns at a time.
 #[derive(Clone, Copy)]
 struct FrameColumns {
     x: Vector3<f64>,
@@ -216,13 +261,35 @@ impl FrameColumns {
     #[inline]
     fn standard(self, row: &Link, q: f64) -> Self {
         let (turn, shift) = row.joint_motion(q);
-        self.about_z(turn, shift).about_x(row.alpha, row.a)
+        self.before(row)
+            .about_z(turn, shift)
+            .about_x(row.alpha, row.a)
     }
 
     #[inline]
     fn modified(self, row: &Link, q: f64) -> Self {
         let (turn, shift) = row.joint_motion(q);
-        self.about_x(row.alpha, row.a).about_z(turn, shift)
+        self.before(row)
+            .about_x(row.alpha, row.a)
+            .about_z(turn, shift)
+    }
+
+    /// Returns the frame in which `row` begins: this frame moved by the fixed transform of the row.
+    #[inline]
+    fn before(self, row: &Link) -> Self {
+        row.before.map_or(self, |placed| self.placed(placed))
+    }
+
+    /// Returns the frame whose pose relative to this frame is `placed`.
+    fn placed(self, placed: &Transform) -> Self {
+        let along = |v: Vector3<f64>| self.x * v.x + self.y * v.y + self.z * v.z;
+        let axes = placed.rotation.matrix();
+        Self {
+            x: along(axes.column(0).into()),
+            y: along(axes.column(1).into()),
+            z: along(axes.column(2).into()),
+            p: self.p + along(placed.translation.vector),
+        }
     }
 
     #[inline]

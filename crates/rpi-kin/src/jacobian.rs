@@ -4,9 +4,9 @@ use crate::Chain;
 use crate::chain::JointType;
 use nalgebra::{SMatrix, Vector3, Vector6};
 
-/// Returns the geometric Jacobian: linear velocity (rows 0 to 2, m/s) of `point` and angular velocity (rows 3 to 5,
-/// rad/s) of the last link per unit velocity of each joint, in base coordinates. `point` is given in the base frame, in
-/// m: the origin of the flange or of a tool.
+/// Returns the geometric Jacobian at the joint values `q` (rad, m): linear velocity (rows 0 to 2, m/s) of `point` and
+/// angular velocity (rows 3 to 5, rad/s) of the last link per unit velocity of each joint, in base coordinates. `point`
+/// is given in the base frame, in m: the origin of the flange or of a tool.
 ///
 /// `N` is the number of joints. Columns beyond the joints of the chain are zero. Source: Siciliano, Sciavicco, Villani,
 /// Oriolo, Robotics (2009), section 3.1.
@@ -29,12 +29,12 @@ pub fn geometric<const N: usize>(
     jacobian
 }
 
-/// Returns the acceleration of `point` that the joint velocities alone cause: linear (m/s²), then angular (rad/s²), in
-/// base coordinates. With the joint accelerations `a` the acceleration of the point is `geometric(...) * a` plus this.
-/// `point` and `N` are as in [`geometric`].
+/// Returns the part of the acceleration of `point` that is due to the joint velocities alone: linear (m/s²), then
+/// angular (rad/s²), in base coordinates. The whole acceleration is `geometric(...) * a` plus this part, where `a` are
+/// the joint accelerations. `point` and `N` are as in [`geometric`].
 ///
-/// It is the product of the time derivative of the Jacobian and the joint velocities. Source: Siciliano, Sciavicco,
-/// Villani, Oriolo, Robotics (2009), section 3.6.
+/// The part is the product of the time derivative of the Jacobian and the joint velocities. Source: Siciliano,
+/// Sciavicco, Villani, Oriolo, Robotics (2009), section 3.6.
 #[must_use]
 pub fn velocity_product<const N: usize>(
     chain: &Chain,

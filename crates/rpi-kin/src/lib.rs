@@ -20,6 +20,7 @@
 
 pub mod angle;
 pub mod chain;
+pub mod damped;
 pub mod jacobian;
 pub mod limits;
 pub mod model;
@@ -36,22 +37,23 @@ pub use chain::{Chain, Convention, Link};
 pub use limits::{AxisLimits, Range};
 pub use model::{ArmModel, InverseKinematics, MAX_AXES};
 
-/// Rigid transform with a rotation matrix. Chains compute with this type.
+/// Rigid transform with a rotation matrix, in m. Kinematic chains compute with this type.
 pub type Transform = nalgebra::IsometryMatrix3<f64>;
 
-/// Rigid transform with a unit quaternion. The public interface uses this type.
+/// Rigid transform with a unit quaternion, in m. The public interface uses this type.
 pub type Pose = nalgebra::Isometry3<f64>;
 
-/// Reason why no joint values reach the requested pose.
+/// Reason why the inverse kinematics has no joint values for a pose.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum InverseKinematicsError {
-    /// The wrist is too far from the shoulder, or too near to it.
+    /// The pose is too far from the shoulder of the arm, or too near to it, or iterations did not converge to the pose.
     OutOfReach,
     /// The pose is reachable only with a joint outside its range.
     OutOfLimits,
-    /// A coordinate of the pose or a hint joint is NaN or infinite, or there are fewer hint joints or limits than axes.
+    /// A coordinate of the pose or a joint value of the hint is NaN or infinite, or there are fewer values in the hint
+    /// or fewer limits than axes.
     NotFinite,
-    /// No closed-form solution is known for this arm.
+    /// No inverse kinematics is known for this arm.
     NoClosedForm,
 }
 
@@ -63,7 +65,7 @@ impl core::fmt::Display for InverseKinematicsError {
                 "the pose is reachable only with a joint outside its range"
             }
             InverseKinematicsError::NotFinite => "the pose or the hint is incomplete or not finite",
-            InverseKinematicsError::NoClosedForm => "no closed-form solution is known for this arm",
+            InverseKinematicsError::NoClosedForm => "this arm has no inverse kinematics",
         })
     }
 }

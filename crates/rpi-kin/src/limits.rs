@@ -25,7 +25,7 @@ impl Range {
         value >= self.lower && value <= self.upper
     }
 
-    /// Returns the range shortened by `margin` at both ends.
+    /// Returns the range shortened by `margin` (rad or m) at both ends.
     #[must_use]
     pub fn shrunk(&self, margin: f64) -> Self {
         Self {
@@ -41,11 +41,11 @@ impl Range {
 pub struct AxisLimits {
     /// Permitted positions, in rad or m.
     pub position: Range,
-    /// Maximum velocity, in both directions.
+    /// Maximum velocity in both directions, in rad/s or m/s; positive.
     pub velocity: f64,
-    /// Maximum acceleration.
+    /// Maximum acceleration in both directions, in rad/s² or m/s²; positive.
     pub acceleration: f64,
-    /// Maximum jerk.
+    /// Maximum jerk in both directions, in rad/s³ or m/s³; positive.
     pub jerk: f64,
 }
 

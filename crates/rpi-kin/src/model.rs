@@ -1,5 +1,6 @@
 //! Model of an arm: chain, limits and, if known, closed-form inverse kinematics.
 
+use crate::damped::DampedLeastSquares;
 use crate::six_axis;
 use crate::{AxisLimits, Chain, InverseKinematicsError, Pose, to_pose, to_transform};
 use crate::{opw, srs, ur};
@@ -7,53 +8,60 @@ use crate::{opw, srs, ur};
 /// Maximum number of axes of an arm model.
 pub const MAX_AXES: usize = 7;
 
-/// Closed-form solution of the inverse kinematics of an arm.
+/// Method by which the inverse kinematics of an arm are solved.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum InverseKinematics {
-    /// Seven axes with spherical shoulder and wrist (S-R-S), parametrised by the arm angle.
+    /// Seven axes with spherical shoulder and wrist (S-R-S), in closed form, parametrised by the arm angle: the angle
+    /// of the elbow about the line from shoulder to wrist.
     Srs(srs::Geometry),
-    /// Six axes, the last three through one point (spherical wrist).
+    /// Six axes of which the last three meet in one point (spherical wrist), in closed form.
     Opw(opw::Geometry),
-    /// Six axes, the second to fourth parallel.
+    /// Six axes of which the second to fourth are parallel, in closed form.
     Ur(ur::Geometry),
-    /// No closed form is known.
+    /// Any chain, by iterations of [damped least squares](crate::damped) from the hint.
+    DampedLeastSquares {
+        /// Index of the axis, counted from 0, that keeps its value in the hint, so that the joint values of a redundant
+        /// arm are determined by the pose. `None` if all axes move.
+        held_axis: Option<usize>,
+    },
+    /// No inverse kinematics is known for the arm.
     NoClosedForm,
 }
 
 /// Kinematics, ranges and limits of one type of arm, as its vendor states them.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ArmModel {
-    /// Name in `cell.toml`.
+    /// Name of the arm model in `cell.toml`.
     pub id: &'static str,
-    /// Name of the arm for people, as its maker writes it.
+    /// Name of the arm for people, as the vendor writes it.
     pub display_name: &'static str,
-    /// Source of lengths and limits.
+    /// Source of the lengths and limits, such as a data sheet.
     pub source: &'static str,
-    /// Kinematic chain from base to flange.
+    /// Kinematic chain of the arm, from the base to the flange.
     pub chain: Chain,
-    /// Limits, one entry per axis.
+    /// Limits of position, velocity, acceleration and jerk, one entry per axis.
     pub limits: &'static [AxisLimits],
-    /// Closed-form inverse kinematics.
+    /// Method by which the inverse kinematics of the arm is solved.
     pub inverse: InverseKinematics,
 }
 
 impl ArmModel {
-    /// Returns the number of axes.
+    /// Returns the number of axes of the arm.
     #[must_use]
     pub const fn axes(&self) -> usize {
         self.chain.axes()
     }
 
-    /// Returns the pose of the flange in the base frame for joint values in rad. NaN or infinite joint values give a
-    /// pose of NaN.
+    /// Returns the pose of the flange in the base frame for joint values in rad (m for a prismatic axis). NaN or
+    /// infinite joint values give a pose of NaN.
     #[must_use]
     pub fn forward(&self, joints: &[f64]) -> Pose {
         to_pose(&self.chain.flange_pose(joints))
     }
 
-    /// Returns the joint values (rad) for a pose of the flange in the base frame, chosen by the joint values `hint`
-    /// (rad) and within `limits`. They are the first [`axes`](Self::axes) entries of the result; the other entries are
-    /// 0.
+    /// Returns joint values (rad) for a pose of the flange in the base frame, within `limits`: of several solutions,
+    /// one near to the joint values `hint` (rad). They are the first [`axes`](Self::axes) entries of the result; the
+    /// other entries are 0.
     ///
     /// # Errors
     /// Any [`InverseKinematicsError`]. `NotFinite` also if `hint` or `limits` have fewer entries than the arm has axes.
@@ -66,11 +74,12 @@ impl ArmModel {
         self.inverse_with_elbow(flange, hint, hint, limits)
     }
 
-    /// As [`inverse`](Self::inverse), but a redundant arm keeps the elbow position of the joint values `elbow` (rad).
-    /// Arms with six axes ignore `elbow`.
+    /// Returns joint values (rad) for a pose of the flange in the base frame, within `limits`: of several solutions,
+    /// one near to the joint values `hint` (rad). A redundant arm keeps the position of the elbow that it has at the
+    /// joint values `elbow` (rad); arms with six axes ignore `elbow`.
     ///
     /// # Errors
-    /// As [`inverse`](Self::inverse).
+    /// Any [`InverseKinematicsError`]. `NotFinite` also if an array has fewer entries than the arm has axes.
     pub fn inverse_with_elbow(
         &self,
         flange: &Pose,
@@ -92,11 +101,46 @@ impl ArmModel {
             InverseKinematics::Ur(geometry) => {
                 solve_six_axis(hint, limits, |hint| geometry.solutions(&flange, hint))
             }
+            InverseKinematics::DampedLeastSquares { held_axis } => DampedLeastSquares {
+                chain: &self.chain,
+                limits,
+                held_axis,
+            }
+            .near(&to_pose(&flange), hint),
             InverseKinematics::NoClosedForm => Err(InverseKinematicsError::NoClosedForm),
         }
     }
 
-    /// Returns the arm angle of joint values (rad) of a redundant arm, rad; `None` for other arms.
+    /// Returns joint values (rad) for a pose of the flange in the base frame, within `limits`: of several solutions,
+    /// one near to the joint values `hint` (rad). If iterations from the hint do not converge to the pose, they start
+    /// again from joint values spread over the ranges. Not for the cycle: up to [`STARTS`](crate::damped::STARTS) times
+    /// the work of [`inverse`](Self::inverse).
+    ///
+    /// # Errors
+    /// Any [`InverseKinematicsError`]. `NotFinite` also if an array has fewer entries than the arm has axes.
+    pub fn inverse_anywhere(
+        &self,
+        flange: &Pose,
+        hint: &[f64],
+        limits: &[AxisLimits],
+    ) -> Result<[f64; MAX_AXES], InverseKinematicsError> {
+        let near = self.inverse(flange, hint, limits);
+        match (near, self.inverse) {
+            (
+                Err(InverseKinematicsError::OutOfReach),
+                InverseKinematics::DampedLeastSquares { .. },
+            ) => DampedLeastSquares {
+                chain: &self.chain,
+                limits,
+                held_axis: None,
+            }
+            .anywhere(flange, hint),
+            (near, _) => near,
+        }
+    }
+
+    /// Returns the arm angle of a redundant arm at `joints` (rad): the angle of the elbow about the line from shoulder
+    /// to wrist, in rad. `None` for other arms.
     #[must_use]
     pub fn arm_angle(&self, joints: &[f64]) -> Option<f64> {
         match self.inverse {
@@ -107,9 +151,9 @@ impl ArmModel {
         }
     }
 
-    /// Returns the arm angles (rad, not wrapped) of a redundant arm at which axis 3 has the value `third` (rad), or half a turn
-    /// more, for a pose of the flange in the base frame; NaN if there are none. `None` for other arms, and for poses out of
-    /// reach.
+    /// Returns the arm angles of a redundant arm (positions of the elbow, rad, not wrapped) at which axis 3 has the
+    /// value `third` (rad), or half a turn more, for a pose of the flange in the base frame; NaN if there are none.
+    /// `None` for other arms, and for poses out of reach.
     #[must_use]
     pub fn arm_angles_of_third_axis(&self, flange: &Pose, third: f64) -> Option<[f64; 2]> {
         let InverseKinematics::Srs(geometry) = self.inverse else {
@@ -119,8 +163,9 @@ impl ArmModel {
         found.ok()
     }
 
-    /// Returns joint values (rad) of a redundant arm whose axis 3 has the value `third` (rad) and whose axis 1 has turned by the
-    /// opposite angle: the same pose, if `third` is within rounding of the present value. `None` for other arms.
+    /// Returns the joint values of a redundant arm with axis 3 set to `third` and axis 1 turned by the opposite angle
+    /// (rad). The pose of the flange stays the same if the upper arm is upright, or if `third` differs from the present
+    /// value by rounding only. `None` for other arms.
     #[must_use]
     pub fn with_third_axis(&self, joints: &[f64], third: f64) -> Option<[f64; MAX_AXES]> {
         match self.inverse {
@@ -132,12 +177,13 @@ impl ArmModel {
         }
     }
 
-    /// As [`inverse`](Self::inverse), but a redundant arm gets the arm angle `arm_angle` (rad). Where no joints within
-    /// the limits have it, the nearest arm angle is taken. Returns the joints, and the change of the arm angle (rad, 0
-    /// if it was kept). Arms with six axes ignore `arm_angle`.
+    /// Returns the joint values (rad) for a pose of the flange in the base frame, within `limits`, and the change of
+    /// the arm angle (rad, 0 for no change). A redundant arm gets the arm angle `arm_angle` (rad, position of the
+    /// elbow), or the nearest one with joints within the limits. Of several solutions, one near to `hint` (rad) is
+    /// chosen. Arms with six axes ignore `arm_angle`.
     ///
     /// # Errors
-    /// As [`inverse`](Self::inverse).
+    /// Any [`InverseKinematicsError`]. `NotFinite` also if an array has fewer entries than the arm has axes.
     pub fn inverse_at_arm_angle(
         &self,
         flange: &Pose,
@@ -156,7 +202,8 @@ impl ArmModel {
         Ok((found.joints, found.arm_angle_change))
     }
 
-    /// As [`inverse`](Self::inverse), but returns NaN for every joint if there is no solution.
+    /// Returns the joint values (rad) for a pose of the flange in the base frame as [`inverse`](Self::inverse) does,
+    /// but NaN for every joint if there is no solution.
     #[must_use]
     pub fn inverse_or_nan(
         &self,
@@ -169,7 +216,8 @@ impl ArmModel {
     }
 }
 
-/// Returns the solution of a six-axis arm nearest to the hint.
+/// Returns the solution of a six-axis arm nearest to `hint` (rad) within the ranges of `limits`. `solve` computes all
+/// solutions, with joint values that the pose leaves open taken from its argument, the hint.
 fn solve_six_axis(
     hint: &[f64],
     limits: &[AxisLimits],
@@ -183,7 +231,7 @@ fn solve_six_axis(
     Ok(joints)
 }
 
-/// Returns the first `N` entries of a slice.
+/// Returns the first `N` entries of a slice; the error is `NotFinite` if the slice is shorter.
 fn first_n<T: Copy, const N: usize>(all: &[T]) -> Result<[T; N], InverseKinematicsError> {
     all.first_chunk::<N>()
         .copied()

@@ -10,7 +10,7 @@ pub mod universal_robots;
 
 use crate::model::ArmModel;
 
-/// All arm models, sorted by `id`.
+/// All built-in arm models, sorted by their name `id`.
 pub const ALL: &[&ArmModel] = &[
     &franka::PANDA,
     &kuka_lbr::IIWA_14,

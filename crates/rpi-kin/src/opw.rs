@@ -4,39 +4,58 @@
 //! of the parameters: Brandstötter, Angerer, Hofbaur, An analytical solution of the inverse kinematics problem of
 //! industrial serial manipulators with an ortho-parallel basis and a spherical wrist, Austrian Robotics Workshop 2014.
 
+use crate::Link;
 use crate::angle::{HALF_TURN, SinCos};
+use crate::chain::LinkTwist;
 use crate::six_axis::{Joints, MISSING, Solutions, elbow_bends};
 use crate::spherical_joint::{self, SphericalJoint};
 use crate::{InverseKinematicsError, Transform};
+use core::f64::consts::FRAC_PI_2;
 use nalgebra::Vector3;
 
-/// Lengths in m, and sense and offset of the axes as defined by the vendor: canonical angle = `sense * joint + offset`.
-/// With all canonical angles at zero, the arm is upright.
+/// Lengths in m, and sense and offset of the axes as defined by the vendor: angle = `sense * joint value + offset`.
+/// With all these angles at zero, the arm is upright.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Geometry {
-    /// Distance of axis 2 in front of axis 1.
+    /// Distance of axis 2 in front of axis 1, in m.
     pub a1: f64,
-    /// Distance of the axis of the forearm in front of axis 3; negative if behind it.
+    /// Distance of the axis of the forearm in front of axis 3, in m; negative if behind it.
     pub a2: f64,
-    /// Lateral offset of the plane of the arm to the left of axis 1.
+    /// Lateral offset of the plane of the arm to the left of axis 1, m.
     pub b: f64,
-    /// Height of axis 2 above the base.
+    /// Height of axis 2 above the base, in m.
     pub c1: f64,
-    /// Length of the upper arm.
+    /// Length of the upper arm, m.
     pub c2: f64,
-    /// Length of the forearm, along its axis.
+    /// Length of the forearm, along its axis, m.
     pub c3: f64,
-    /// Distance from the wrist centre to the flange.
+    /// Distance from the wrist centre to the flange, m.
     pub c4: f64,
-    /// Sense of each axis: +1 or -1.
+    /// For each axis, +1, or -1 if the vendor counts its angle in the opposite direction.
     pub sense: Joints,
-    /// Canonical angle at joint value 0, in rad.
+    /// For each axis, its angle at joint value 0, counted from the upright position of the arm, in rad.
     pub offset: Joints,
 }
 
 impl Geometry {
-    /// Returns all solutions for a pose of the flange in the base frame, in rad; entries that do not exist are NaN.
-    /// Angles that the pose does not determine are taken from `hint` (rad).
+    /// Returns the rows of the standard Denavit-Hartenberg table of the arm. Rows rotate about z, so the rows of axes 2
+    /// and 3 have offsets of a quarter turn.
+    #[must_use]
+    pub const fn links(&self) -> [Link; 6] {
+        let [s, o] = [self.sense, self.offset];
+        [
+            Link::new(self.a1, LinkTwist::MINUS_90, self.c1).with_sense(s[0], o[0]),
+            Link::new(self.c2, LinkTwist::NONE, self.b).with_sense(s[1], o[1] - FRAC_PI_2),
+            Link::new(self.a2, LinkTwist::PLUS_90, 0.0).with_sense(s[2], o[2] + FRAC_PI_2),
+            Link::new(0.0, LinkTwist::MINUS_90, self.c3).with_sense(s[3], o[3]),
+            Link::new(0.0, LinkTwist::PLUS_90, 0.0).with_sense(s[4], o[4]),
+            Link::new(0.0, LinkTwist::NONE, self.c4).with_sense(s[5], o[5]),
+        ]
+    }
+
+    /// Returns all solutions for a pose of the flange in the base frame: joint values in rad, or NaN for each of the
+    /// eight that does not exist. Angles that the pose does not determine are taken from `hint` (rad). Ranges are
+    /// ignored.
     ///
     /// # Errors
     /// [`InverseKinematicsError::NotFinite`] if the pose is not finite.
@@ -64,8 +83,8 @@ impl Geometry {
         Ok(solutions)
     }
 
-    /// Returns the first three canonical angles for the wrist centre, for all combinations of front or overhead and
-    /// elbow up or down.
+    /// Returns the angles of axes 1 to 3 (rad, zero in the upright position) for a position of the wrist centre in the
+    /// base frame (m), for all combinations of front or overhead and elbow up or down; NaN if there are none.
     fn arm_angles(&self, wrist: &Vector3<f64>) -> [[f64; 3]; 4] {
         // If the wrist is too near to axis 1, the root is NaN, and so are all solutions: they do not exist.
         let level = libm::sqrt(wrist.x * wrist.x + wrist.y * wrist.y - self.b * self.b);

@@ -6,13 +6,13 @@ use crate::{InverseKinematicsError, Range};
 /// Joint values of a six-axis arm, in rad.
 pub type Joints = [f64; 6];
 
-/// Up to eight solutions. Entries that do not exist are NaN.
+/// Up to eight solutions of the inverse kinematics of a six-axis arm. Solutions that do not exist are NaN.
 pub type Solutions = [Joints; 8];
 
 /// Placeholder for a solution that does not exist: NaN for every joint.
 pub(crate) const MISSING: Joints = [f64::NAN; 6];
 
-/// Tolerance by which a cosine may exceed 1 due to rounding. It moves the flange by less than 1e-9 m.
+/// Tolerance by which rounding may raise a cosine above 1 (no unit). It moves the flange by less than 1e-9 m.
 const REACH_TOLERANCE: f64 = 1e-9;
 
 /// Returns the solution nearest to `hint` (rad) with all joints in `ranges`. The distance is the largest difference of
@@ -60,8 +60,9 @@ fn distance(joints: &Joints, hint: &Joints) -> f64 {
     differences.fold(0.0, f64::max)
 }
 
-/// Returns the two bend angles between two limbs for which the end of the second has a distance from the start of the
-/// first (law of cosines); NaN if there is none.
+/// Returns the two angles (rad) by which the second of two limbs with the lengths `first` and `second` (m) bends
+/// against the first, if its end is at the given distance from the start of the first (law of cosines); NaN if there
+/// are none.
 pub(crate) fn elbow_bends(first: f64, second: f64, distance_squared: f64) -> [f64; 2] {
     let cos = (distance_squared - first * first - second * second) / (2.0 * first * second);
     if cos.abs() > 1.0 + REACH_TOLERANCE {

@@ -3,13 +3,13 @@
 use crate::angle::SinCos;
 use nalgebra::Vector3;
 
-/// If the sine of its bend is below this value, a joint counts as straight: only the sum of the rotations before and
-/// after it is defined. The value is small enough to move the flange by at most 1e-10 m and rad, and large enough to
-/// distinguish the angles from rounding errors.
+/// Sine of the bend (middle angle) below which a spherical joint counts as straight: then only the sum of its first and
+/// last rotations is defined. The value is small enough to move the flange by at most 1e-10 m and rad, and large enough
+/// to distinguish the angles from rounding errors.
 pub(crate) const STRAIGHT_TOLERANCE: f64 = 1e-10;
 
-/// Rotation of a spherical joint: about z (turn), then about the new y (bend, not negative), stored as sines and
-/// cosines.
+/// Rotation of the first two axes of a spherical joint: about z (turn), then about the new y (bend), as angles in rad
+/// and as sines and cosines.
 pub(crate) struct SphericalJoint {
     pub(crate) turn: f64,
     pub(crate) turn_sin_cos: SinCos,
@@ -18,7 +18,7 @@ pub(crate) struct SphericalJoint {
 }
 
 impl SphericalJoint {
-    /// Creates the rotation from its angles, in rad.
+    /// Creates the rotation from its angles `turn` about z and `bend` about y, in rad.
     pub(crate) fn new(turn: f64, bend: f64) -> Self {
         Self {
             turn,
@@ -29,7 +29,7 @@ impl SphericalJoint {
     }
 
     /// Returns the rotation that maps z to the unit vector `to`. If `to` is z (within rounding), the turn is arbitrary
-    /// and set to `open`.
+    /// and set to `open` (rad).
     pub(crate) fn pointing_at(to: &Vector3<f64>, open: f64) -> Self {
         let sin = libm::sqrt(to.x * to.x + to.y * to.y);
         let (turn, turned) = if sin > STRAIGHT_TOLERANCE {
@@ -52,7 +52,7 @@ impl SphericalJoint {
         }
     }
 
-    /// Returns the vector `v` in the rotated frame.
+    /// Returns the vector `v` in the coordinates of the rotated frame.
     pub(crate) fn inverse_rotate(&self, v: &Vector3<f64>) -> Vector3<f64> {
         let level = self.turn_sin_cos.cos * v.x + self.turn_sin_cos.sin * v.y;
         Vector3::new(
@@ -63,8 +63,9 @@ impl SphericalJoint {
     }
 }
 
-/// Returns the angles of the rotation `Rz(turn) Ry(bend) Rz(roll)` with the columns `x` and `z`; the bend is not
-/// negative. The other solution is (turn + π, -bend, roll + π). An arbitrary turn is set to `open`.
+/// Returns the angles [turn, bend, roll] in rad of the rotation `Rz(turn) Ry(bend) Rz(roll)` whose matrix has the
+/// columns `x` and `z`; the bend is not negative. The other solution is [turn + π, -bend, roll + π]. A turn that is
+/// arbitrary is set to `open` (rad).
 pub(crate) fn zyz_angles(x: &Vector3<f64>, z: &Vector3<f64>, open: f64) -> [f64; 3] {
     let ball = SphericalJoint::pointing_at(z, open);
     let rest = ball.inverse_rotate(x);

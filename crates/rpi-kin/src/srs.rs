@@ -26,7 +26,8 @@ use nalgebra::Vector3;
 /// Joint values of a seven-axis arm, in rad.
 pub type Joints = [f64; 7];
 
-/// Lengths of the canonical chain, and sense of each axis.
+/// Lengths of an S-R-S arm, and the sense of each axis. Canonical angles, with which the solver computes, are the joint
+/// values in the senses of the chain `z y z y z y z`.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Geometry {
     /// Distance from the base to the shoulder along z of the base frame, in m.
@@ -37,23 +38,23 @@ pub struct Geometry {
     pub fore: f64,
     /// Distance from the wrist to the flange along the last axis, in m.
     pub hand: f64,
-    /// +1 or -1 for each axis: canonical angle = sense * joint value.
+    /// For each axis, +1 or -1: canonical angle = sense * joint value.
     pub sense: Joints,
 }
 
-/// Tolerance by which the cosine of the bend of the elbow may exceed 1, for a wrist beyond the outstretched arm. It
-/// covers rounding (about 1e-16 m) and moves the wrist by less than 1e-9 m.
+/// Tolerance by which rounding may raise the cosine of the bend of the elbow above 1, for a wrist beyond the
+/// outstretched arm (no unit). It covers rounding and moves the wrist by less than 1e-9 m.
 const REACH_TOLERANCE: f64 = 1e-9;
 
-/// Triangle of shoulder, elbow and wrist for a pose of the flange: the line from shoulder to wrist, and the angles of
-/// the arm.
+/// Triangle of shoulder, elbow and wrist of an S-R-S arm for a pose of the flange: the line from shoulder to wrist, and
+/// the angles of the arm.
 #[derive(Clone, Copy, Debug)]
 pub struct ElbowTriangle {
     /// Orientation of the flange in the base frame, as a rotation matrix.
     pub flange_rotation: nalgebra::Matrix3<f64>,
-    /// Unit vector from the shoulder to the wrist.
+    /// Unit vector from the shoulder to the wrist, in the base frame.
     pub line: Vector3<f64>,
-    /// Cosine and sine of the bend of the elbow; the sine is not negative.
+    /// Cosine and sine of the angle between upper arm and forearm, 0 for a straight arm; the sine is not negative.
     pub elbow_bend: crate::angle::SinCos,
     /// Cosine and sine of the angle at the shoulder between the line to the wrist and the upper arm; the sine is not
     /// negative.
@@ -101,8 +102,8 @@ impl Geometry {
         })
     }
 
-    /// Returns the cosine of the elbow bend for which the wrist has this `distance` (m) from the shoulder (law of
-    /// cosines).
+    /// Returns the cosine of the bend of the elbow (0 for a straight arm) for which the wrist has this distance (m)
+    /// from the shoulder (law of cosines). The error is [`InverseKinematicsError::OutOfReach`] if there is none.
     fn elbow_cosine(&self, distance: f64) -> Result<f64, InverseKinematicsError> {
         let (upper, fore) = (self.upper, self.fore);
         let cos = (distance * distance - upper * upper - fore * fore) / (2.0 * upper * fore);
@@ -112,7 +113,8 @@ impl Geometry {
         Ok(cos.clamp(-1.0, 1.0))
     }
 
-    /// Converts joint values to angles of the canonical chain, or back; the conversion is its own inverse.
+    /// Converts joint values to canonical angles (the angles of the chain `z y z y z y z`), or back; the conversion is
+    /// its own inverse.
     #[must_use]
     pub fn apply_sense(&self, joints: &Joints) -> Joints {
         core::array::from_fn(|axis| self.sense[axis] * joints[axis])

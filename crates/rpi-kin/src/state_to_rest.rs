@@ -8,7 +8,7 @@
 
 use crate::stop_profile::{JerkPhase, StopProfile, VelocityState};
 
-/// Position, velocity and acceleration of an axis, in rad and s, or m and s.
+/// Position, velocity and acceleration of an axis, in rad and s (or m and s).
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct AxisState {
     /// Position, rad or m.
@@ -19,25 +19,25 @@ pub struct AxisState {
     pub acceleration: f64,
 }
 
-/// Bounds of a motion, as magnitudes; all positive.
+/// Bounds of the velocity, acceleration and jerk of a motion, as magnitudes.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Bounds {
-    /// Maximum velocity.
+    /// Maximum velocity, in rad/s or m/s; positive.
     pub speed: f64,
-    /// Maximum acceleration.
+    /// Maximum acceleration, in rad/s² or m/s²; positive.
     pub acceleration: f64,
-    /// Maximum jerk.
+    /// Maximum jerk, in rad/s³ or m/s³; positive.
     pub jerk: f64,
 }
 
-/// Planned motion to rest at a goal.
+/// Planned motion of one axis to rest at a goal, with bounded velocity, acceleration and jerk.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct StateToRestProfile {
     start: AxisState,
     goal: f64,
-    /// Velocity between the change of speed at the start and the stop at the end.
+    /// Velocity between the change of speed at the start and the stop at the end, rad/s or m/s.
     peak_velocity: f64,
-    /// Time at the peak velocity, s.
+    /// Time during which the axis moves with the peak velocity, in s.
     cruise_time: f64,
     /// Phases of constant jerk from the start to the peak velocity.
     accelerating: [JerkPhase; 3],
@@ -45,12 +45,13 @@ pub struct StateToRestProfile {
     stopping: [JerkPhase; 3],
 }
 
-/// Maximum number of iterations of the search for the peak velocity. At least every fourth step halves the interval.
+/// Maximum number of iterations of the search for the peak velocity. Every fourth iteration halves the interval.
 const STEPS: u32 = 100;
 
 impl AxisState {
-    /// Returns the state with a given position and given first and second backward differences over `dt` seconds,
-    /// assuming a constant `jerk`. Differences lag behind velocity and acceleration; this corrects the lag.
+    /// Returns the state of an axis from its position and the first and second backward differences of its positions,
+    /// `dt` seconds apart, assuming a constant `jerk`. Differences lag behind velocity and acceleration; the lag is
+    /// corrected.
     fn from_differences(differences: Self, jerk: f64, dt: f64) -> Self {
         let acceleration = differences.acceleration + jerk * dt;
         Self {
@@ -60,7 +61,7 @@ impl AxisState {
         }
     }
 
-    /// Returns the state `time` seconds later under a constant `jerk`.
+    /// Returns the state `time` seconds later under a constant `jerk` (rad/s³ or m/s³).
     #[must_use]
     pub fn advanced(self, time: f64, jerk: f64) -> Self {
         let AxisState {
@@ -95,7 +96,8 @@ impl Bounds {
 }
 
 impl StateToRestProfile {
-    /// Plans the motion from `start` to rest at `goal`. A start beyond the bounds is first brought back within them.
+    /// Plans the motion from `start` to rest at the position `goal` (rad or m). A start beyond the bounds is first
+    /// brought back within them.
     ///
     /// Returns `None` if a bound is not positive or a number is not finite.
     #[must_use]
@@ -117,10 +119,11 @@ impl StateToRestProfile {
         Some(mirror.profile_to(-goal, -coming)?.mirrored())
     }
 
-    /// Plans a motion that continues set-points `dt` seconds apart. `differences` is the last set-point with its first
-    /// and second backward differences. The backward differences of sampled set-points keep the bounds also across the
-    /// transition. For this, the planned speed is lower by the change of speed that the jerk causes in two periods,
-    /// which is the maximum error of the differences.
+    /// Plans a motion to rest at the position `goal` that continues set-points `dt` seconds apart. `differences` is the
+    /// last set-point with its first and second backward differences, as velocity and acceleration. The backward
+    /// differences of the sampled set-points keep the bounds also across the transition. For this, the maximum speed is
+    /// reduced by the change of speed that the jerk causes in two periods, which is the maximum error of the
+    /// differences.
     ///
     /// Returns `None` under the same conditions as [`StateToRestProfile::new`].
     #[must_use]
@@ -153,7 +156,7 @@ impl StateToRestProfile {
         })
     }
 
-    /// Returns the jerk `time` seconds after the start; 0 after the end.
+    /// Returns the jerk (rad/s³ or m/s³) `time` seconds after the start of the motion; 0 after its end.
     #[must_use]
     pub fn jerk_at(&self, time: f64) -> f64 {
         let mut left = time;
@@ -165,8 +168,8 @@ impl StateToRestProfile {
         now.map_or(0.0, |part| part.jerk)
     }
 
-    /// Returns the phases of constant jerk in order: three to the peak, the time at the peak, three to rest. Unused
-    /// ones have the duration 0.
+    /// Returns the phases of constant jerk in order: three from the start to the peak velocity, one at the peak
+    /// velocity, three to rest. Unused ones have the duration 0.
     #[must_use]
     pub fn phases(&self) -> [JerkPhase; 7] {
         let [a, b, c] = self.accelerating;
@@ -201,13 +204,14 @@ impl StateToRestProfile {
         duration(&self.accelerating) + self.cruise_time + duration(&self.stopping)
     }
 
-    /// Returns the position at the end of the motion.
+    /// Returns the position at the end of the motion, in rad (or m).
     #[must_use]
     pub fn goal(&self) -> f64 {
         self.goal
     }
 
-    /// Returns the state `time` seconds after the start. After the end, the axis is at rest at the goal.
+    /// Returns the state of the axis `time` seconds after the start of the motion. After the end, the axis is at rest
+    /// at the goal.
     ///
     /// After the first change of speed, positions are computed backwards from the goal, so that rounding errors do not
     /// accumulate on a long motion.
@@ -235,7 +239,8 @@ impl StateToRestProfile {
         advance(braking, &self.stopping, after_peak.max(0.0))
     }
 
-    /// Returns the profile as an array of numbers, for storage in the state of a primitive.
+    /// Returns the profile as an array of numbers, for storage in the state of a primitive (a basic operation of a
+    /// net).
     #[must_use]
     pub fn to_array(&self) -> [f64; Self::LEN] {
         let mut numbers = [0.0; Self::LEN];
@@ -262,7 +267,7 @@ impl StateToRestProfile {
         numbers
     }
 
-    /// Creates a profile from its numbers; inverse of [`StateToRestProfile::to_array`].
+    /// Creates a profile from the numbers of [`StateToRestProfile::to_array`].
     #[must_use]
     pub fn from_array(numbers: &[f64; Self::LEN]) -> Self {
         let [
@@ -292,7 +297,7 @@ impl StateToRestProfile {
         }
     }
 
-    /// Length of the array that stores a profile.
+    /// Number of reals in the array that stores a profile.
     pub const LEN: usize = HEAD + 12;
 }
 
@@ -312,7 +317,7 @@ fn advance(start: AxisState, parts: &[JerkPhase; 3], time: f64) -> AxisState {
     state
 }
 
-/// Search for the peak velocity. The velocity of the start must be positive once its acceleration has decayed.
+/// Search for the peak velocity of a motion whose velocity is positive once the acceleration of the start has decayed.
 #[derive(Clone, Copy)]
 struct Search {
     start: AxisState,
@@ -320,7 +325,8 @@ struct Search {
 }
 
 impl Search {
-    /// Returns the motion to `goal`. `coming` is the velocity once the acceleration of the start has decayed.
+    /// Returns the motion to the position `goal` (rad or m); `None` if a number is not finite. `coming` is the velocity
+    /// that remains once the acceleration of the start has decayed.
     fn profile_to(&self, goal: f64, coming: f64) -> Option<StateToRestProfile> {
         let (peak, cruise) = self.peak_and_cruise(goal - self.start.position, coming)?;
         let (first, last) = self.speed_changes(peak)?;
@@ -355,8 +361,8 @@ impl Search {
         Some((self.peak(distance, low, high)?, 0.0))
     }
 
-    /// Returns the change of speed from the start to a peak velocity, and the stop from there; `None` if a number is
-    /// not finite.
+    /// Returns the change of velocity from the start to the peak velocity `peak`, and the stop from there; `None` if a
+    /// number is not finite.
     fn speed_changes(&self, peak: f64) -> Option<(StopProfile, StopProfile)> {
         let to = |motion: VelocityState| {
             StopProfile::new(motion, self.bounds.acceleration, self.bounds.jerk)
@@ -372,15 +378,16 @@ impl Search {
         Some((first, last))
     }
 
-    /// Returns the distance covered if the axis reaches a peak velocity and stops from it at once.
+    /// Returns the signed distance (rad or m) if the axis reaches the velocity `peak` and stops from it at once; `None`
+    /// if a number is not finite.
     fn distance(&self, peak: f64) -> Option<f64> {
         let (first, last) = self.speed_changes(peak)?;
         Some(first.distance() + peak * first.duration() + last.distance())
     }
 
-    /// Returns the peak velocity between `low` and `high` for which the motion covers `distance`. Uses regula falsi
-    /// with the Illinois modification (halved weight of a retained end), and a bisection in every fourth step to
-    /// guarantee convergence.
+    /// Returns the peak velocity between `low` and `high` for which the motion covers the signed `distance` (rad or m);
+    /// `None` if a number is not finite. Uses regula falsi with the Illinois modification (halved weight of a retained
+    /// end), and a bisection in every fourth step to guarantee convergence.
     fn peak(&self, distance: f64, mut low: f64, mut high: f64) -> Option<f64> {
         let off = |peak: f64| Some(self.distance(peak)? - distance);
         let (mut below, mut above) = (off(low)?, off(high)?);

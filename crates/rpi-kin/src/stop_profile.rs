@@ -12,12 +12,12 @@ pub struct VelocityState {
     pub acceleration: f64,
 }
 
-/// Phase of constant jerk: duration (s) and jerk.
+/// Phase of a motion with constant jerk.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct JerkPhase {
-    /// Duration, s; not negative.
+    /// Duration of the phase in seconds; not negative.
     pub duration: f64,
-    /// Jerk, rad/s³ (or m/s³).
+    /// Jerk during the phase, in rad/s³ (or m/s³).
     pub jerk: f64,
 }
 
@@ -30,7 +30,7 @@ impl JerkPhase {
     }
 }
 
-/// Planned stop of an axis.
+/// Planned stop of an axis with bounded acceleration and jerk.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct StopProfile {
     start: VelocityState,
@@ -38,8 +38,8 @@ pub struct StopProfile {
 }
 
 impl StopProfile {
-    /// Plans the stop from `start` with maximum magnitudes of acceleration and jerk. Both must be positive; the jerk
-    /// may be infinite. A start beyond the maximum acceleration is first brought back to it.
+    /// Plans the fastest stop from `start` with maximum magnitudes of acceleration and jerk. Both must be positive; the
+    /// jerk may be infinite. A start beyond the maximum acceleration is first brought back to it.
     ///
     /// Returns `None` if a number is NaN, the start is infinite, or a limit is not positive.
     #[must_use]
@@ -91,7 +91,7 @@ impl StopProfile {
         })
     }
 
-    /// Plans a stop with constant deceleration; the acceleration is discontinuous.
+    /// Plans a stop with constant deceleration `acceleration`, for unlimited jerk: the acceleration of the axis jumps.
     fn without_jerk(start: VelocityState, acceleration: f64) -> Self {
         let braking = if start.velocity < 0.0 {
             acceleration
@@ -112,7 +112,7 @@ impl StopProfile {
         }
     }
 
-    /// Returns the phases of constant jerk, in order; unused ones have the duration 0.
+    /// Returns the three phases of constant jerk of the stop, in order; unused ones have the duration 0.
     #[must_use]
     pub fn phases(&self) -> &[JerkPhase; 3] {
         &self.phases
@@ -124,8 +124,8 @@ impl StopProfile {
         self.phases.iter().map(|part| part.duration).sum()
     }
 
-    /// Returns velocity and acceleration `time` seconds after the start. Before the start, those of the start; after
-    /// the end, zero.
+    /// Returns velocity and acceleration of the axis `time` seconds after the start of the stop: those of the start for
+    /// a negative time, zero after the end.
     #[must_use]
     pub fn state_at(&self, time: f64) -> VelocityState {
         if time >= self.duration() {
@@ -141,7 +141,7 @@ impl StopProfile {
         motion
     }
 
-    /// Returns the signed distance until rest, in rad (or m).
+    /// Returns the signed distance from the start of the stop until rest, in rad (or m).
     #[must_use]
     pub fn distance(&self) -> f64 {
         let mut motion = self.start;

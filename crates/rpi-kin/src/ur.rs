@@ -9,29 +9,32 @@ use crate::spherical_joint;
 use crate::{InverseKinematicsError, Transform};
 use nalgebra::Vector3;
 
-/// Lengths of the standard Denavit-Hartenberg table, in m. `a2` and `a3` are negative by the convention of the vendor.
+/// Lengths of an arm as in its standard Denavit-Hartenberg table, in m. `a2` and `a3` are negative by the convention of
+/// the vendor.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Geometry {
-    /// Distance from the base to the shoulder.
+    /// Distance from the base to axis 2 (shoulder) along axis 1, in m.
     pub d1: f64,
-    /// Length of the upper arm (negative).
+    /// Length of the upper arm, m; negative by the convention of the vendor.
     pub a2: f64,
-    /// Length of the forearm (negative).
+    /// Length of the forearm, m; negative by the convention of the vendor.
     pub a3: f64,
-    /// Offset along axis 4.
+    /// Offset along axis 4, in m.
     pub d4: f64,
-    /// Offset along axis 5.
+    /// Offset along axis 5, in m.
     pub d5: f64,
-    /// Offset along axis 6, to the flange.
+    /// Offset along axis 6 to the flange, in m.
     pub d6: f64,
 }
 
-/// Tolerance by which a cosine may exceed 1 due to rounding.
+/// Amount by which rounding may raise a sine or cosine above 1 (no unit). Up to this amount, the pose counts as reached
+/// with the arm outstretched.
 const REACH_TOLERANCE: f64 = 1e-9;
 
 impl Geometry {
-    /// Returns all solutions for a pose of the flange in the base frame, in rad; entries that do not exist are NaN.
-    /// Angles that the pose does not determine are taken from `hint` (rad).
+    /// Returns all solutions for a pose of the flange in the base frame: joint values in rad, or NaN for each of the
+    /// eight that does not exist. Angles that the pose does not determine are taken from `hint` (rad). Ranges are
+    /// ignored.
     ///
     /// # Errors
     /// [`InverseKinematicsError::NotFinite`] if the pose is not finite.
@@ -68,8 +71,8 @@ impl Geometry {
         Ok(solutions)
     }
 
-    /// Returns the two angles of axis 1 at which the origin of frame 5, `before_last`, has the distance `d4` from the
-    /// plane of the arm.
+    /// Returns the two angles of axis 1 (rad) at which the origin of frame 5, `before_last` (m, in the base frame), has
+    /// the distance `d4` from the plane of the arm; NaN if there are none.
     fn first_axis(&self, before_last: &Vector3<f64>) -> [f64; 2] {
         let level = libm::sqrt(before_last.x * before_last.x + before_last.y * before_last.y);
         let sin = self.d4 / level;
@@ -82,8 +85,9 @@ impl Geometry {
         [towards + aside, towards + HALF_TURN - aside]
     }
 
-    /// Returns the angles of shoulder and elbow for a wrist position in the shoulder frame and the sum of the three
-    /// parallel axes, for both elbow configurations.
+    /// Returns the angles of axes 2 and 3 (rad) for both configurations of the elbow; NaN if there are none. `wrist` is
+    /// the position of the origin of frame 5 in the frame of axis 2 (m), `sum` the sum of the angles of axes 2 to 4
+    /// (rad).
     fn shoulder_and_elbow(&self, wrist: &Vector3<f64>, sum: f64) -> [[f64; 2]; 2] {
         let SinCos { sin, cos } = SinCos::from_angle(sum);
         let (x, y) = (wrist.x - self.d5 * sin, wrist.y + self.d5 * cos);
@@ -98,7 +102,7 @@ impl Geometry {
     }
 }
 
-/// Returns `(Rz(q1) Rx(90°))^-1 v`: the vector in the shoulder frame.
+/// Returns the vector `v` in the frame of axis 2 for the angle `q1` of axis 1 (rad): `(Rz(q1) Rx(90°))^-1 v`.
 fn to_shoulder_frame(v: &Vector3<f64>, q1: f64) -> Vector3<f64> {
     let SinCos { sin, cos } = SinCos::from_angle(q1);
     Vector3::new(cos * v.x + sin * v.y, v.z, sin * v.x - cos * v.y)

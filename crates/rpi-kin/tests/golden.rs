@@ -306,3 +306,46 @@ fn a_sliding_joint_moves_along_its_axis() {
     let jacobian = rpi_kin::jacobian::geometric(&unit.chain, &[0.3], &carriage.translation.vector);
     assert_eq!(jacobian.as_slice(), [0.0, 0.0, 1.0, 0.0, 0.0, 0.0]);
 }
+
+/// Rows that are placed freely give the same poses, axes and Jacobian as the table whose rows they replace.
+#[test]
+fn rows_placed_freely_follow_the_table() {
+    use rpi_kin::{Chain, Convention, Link, Transform, to_transform};
+    let leak = |pose: &Pose| -> &'static Transform { Box::leak(Box::new(to_transform(pose))) };
+    let arm = models::by_id("ur5e").expect("known");
+    let zero = [0.0; 6];
+    let frames: Vec<Transform> = arm.chain.link_frames(&zero).collect();
+    let before = |axis: usize| match axis {
+        0 => Transform::identity(),
+        _ => frames[axis - 1],
+    };
+    let relative = |axis: usize| match axis {
+        0 => Transform::identity(),
+        _ => before(axis - 1).inverse() * before(axis),
+    };
+    let placed = |axis: usize| Link::placed(leak(&rpi_kin::to_pose(&relative(axis))));
+    let links: Vec<Link> = (0..6).map(placed).collect();
+    let flange = before(5).inverse() * frames[5];
+    let chain = Chain {
+        convention: Convention::Modified,
+        links: Box::leak(links.into_boxed_slice()),
+        fixed_links: Box::leak(Box::new([Link::placed(leak(&rpi_kin::to_pose(&flange)))])),
+    };
+    let joints = [0.3, -0.7, 0.5, 1.1, -0.4, 0.9];
+    let (one, other) = (arm.chain.flange_pose(&joints), chain.flange_pose(&joints));
+    assert!((one.to_homogeneous() - other.to_homogeneous()).amax() < 1e-12);
+    let point = one.translation.vector;
+    let jacobian = |chain: &Chain| rpi_kin::jacobian::geometric(chain, &joints, &point);
+    assert!((jacobian(&arm.chain) - jacobian(&chain)).amax() < 1e-12);
+    assert!((chain.length() - 1.3123).abs() < 1e-9, "{}", chain.length());
+}
+
+#[test]
+fn twists_by_quarter_turns_are_exact() {
+    use rpi_kin::chain::LinkTwist;
+    let from_degrees = |degrees: f64| LinkTwist::from_angle(degrees.to_radians());
+    assert_eq!(from_degrees(90.0), LinkTwist::PLUS_90);
+    assert_eq!(from_degrees(-90.0), LinkTwist::MINUS_90);
+    assert_eq!(from_degrees(360.0), LinkTwist::NONE);
+    assert_ne!(from_degrees(90.001), LinkTwist::PLUS_90);
+}

@@ -141,9 +141,20 @@ fn far_away_and_nonsense_are_refused() {
 }
 
 #[test]
-fn an_arm_without_a_closed_form_says_so() {
-    let panda = rpi_kin::models::by_id("franka-panda").expect("known");
-    let joints = [0.0, 0.0, 0.0, -1.5, 0.0, 1.5, 0.0];
-    let found = panda.inverse(&panda.forward(&joints), &joints, panda.limits);
+fn an_arm_without_an_inverse_says_so() {
+    let unit = &rpi_kin::models::linear::LINEAR_UNIT;
+    let found = unit.inverse(&unit.forward(&[0.5]), &[0.5], unit.limits);
     assert_eq!(found, Err(InverseKinematicsError::NoClosedForm));
+}
+
+#[test]
+fn an_arm_without_a_closed_form_is_solved_by_iterations() {
+    let panda = rpi_kin::models::by_id("franka-panda").expect("known");
+    let joints = [0.1, 0.2, -0.3, -1.5, 0.4, 1.5, 0.6];
+    let hint = [0.2, 0.1, -0.2, -1.4, 0.5, 1.6, 0.6];
+    let found = panda.inverse(&panda.forward(&joints), &hint, panda.limits);
+    let found = found.expect("near to the hint");
+    for axis in 0..7 {
+        assert!((found[axis] - joints[axis]).abs() < 1e-9, "{found:?}");
+    }
 }

@@ -17,12 +17,12 @@ mod write;
 use tree::LiteralTree;
 pub use write::{euler_angles, write};
 
-/// Error for a text that is not a value of the expected type.
+/// Error: a text is not a literal of the expected type.
 #[derive(Clone, PartialEq, Eq, Debug)]
 pub struct LiteralError {
-    /// Byte offset in the text at which the error begins.
+    /// Position of the error in the text, in bytes from 0.
     pub offset: usize,
-    /// Description of the error.
+    /// Description of the error, such as `expected an integer`.
     pub message: String,
 }
 
@@ -43,10 +43,11 @@ impl fmt::Display for LiteralError {
 
 impl std::error::Error for LiteralError {}
 
-/// Parses one value of a scalar type; `None` for `null`.
+/// Parses the literal of a value of an element type, such as `{x:1.0,y:2.0,z:3.0}` for a vector. Returns `None` for
+/// `null`, the literal of an absent value.
 ///
 /// # Errors
-/// Returns an error if the text is not a value of this type.
+/// Returns an error if the text is not a literal of this type.
 pub fn parse_scalar(text: &str, scalar: Scalar) -> Result<Option<Value>, LiteralError> {
     let tree = tree::parse(text)?;
     Ok(element(&tree, scalar)?.map(|cells| Value::Slots {
@@ -55,7 +56,8 @@ pub fn parse_scalar(text: &str, scalar: Scalar) -> Result<Option<Value>, Literal
     }))
 }
 
-/// Parses an array of any length; `null` elements become `None`. Returns `None` for `null` in place of the array.
+/// Parses the literal of an array of any length. An element `null` becomes `None`. Returns `None` for `null` in place
+/// of the array.
 ///
 /// # Errors
 /// Returns an error if the text is not an array of this element type.
@@ -75,11 +77,11 @@ pub fn parse_array(text: &str, scalar: Scalar) -> Result<Option<Vec<Option<Value
         .map(Some)
 }
 
-/// Parses a value of a flow type. Returns `None` for `null` and for an array with a `null` element: no flow can carry
-/// these.
+/// Parses the literal of a value of a flow type. Returns `None` for `null`, and for an array with a `null` element,
+/// because a flow cannot have a part of an array absent.
 ///
 /// # Errors
-/// Returns an error if the text is not of this type, or is an array of another length.
+/// Returns an error if the text is not a literal of this type, or is an array of another length.
 pub fn parse(text: &str, ty: Type) -> Result<Option<Value>, LiteralError> {
     let (scalar, len) = match ty {
         Type::Scalar(scalar) => return parse_scalar(text, scalar),
@@ -154,7 +156,7 @@ fn parse_reals(tree: &LiteralTree<'_>, keys: &[&'static str; 3]) -> Result<SlotB
         .collect()
 }
 
-/// Parses a real number. A number too large for a double is an error; infinity has the literal `inf`.
+/// Parses a real number. A number too large for a double is an error; the literal of infinity is `inf`.
 fn parse_real(tree: &LiteralTree<'_>) -> Result<f64, LiteralError> {
     let value: f64 = tree.word("a number", |w| w.parse().ok())?;
     let is_meant = |word: &str| value.is_finite() || !word.contains(|c: char| c.is_ascii_digit());
@@ -171,7 +173,8 @@ fn parse_int(word: &str) -> Option<i64> {
     word.parse().ok()
 }
 
-/// Parses a time in milliseconds, with at most six digits after the point, to nanoseconds.
+/// Parses a time in milliseconds since the Unix epoch, with at most six digits after the point. Returns nanoseconds;
+/// `None` for an invalid or too large number.
 fn parse_millis(word: &str) -> Option<i64> {
     let (whole, part) = word.split_once('.').unwrap_or((word, ""));
     let digits = part.bytes().all(|b| b.is_ascii_digit());

@@ -2,10 +2,12 @@
 
 use super::LiteralError;
 
-/// Maximal nesting depth. Deeper nesting than any type has is rejected, so that no text can overflow the stack.
+/// Maximum nesting depth of a literal. No type has a deeper literal; the limit prevents that a text overflows the
+/// stack.
 const MAX_DEPTH: usize = 8;
 
-/// Syntax tree of a literal. Each variant starts with its byte offset in the text.
+/// Syntax tree of a literal: a single word, fields in braces, or elements in brackets. The first field of each variant
+/// is the byte offset of the literal in the text.
 pub(super) enum LiteralTree<'a> {
     Word(usize, &'a str),
     Object(usize, Vec<(&'a str, LiteralTree<'a>)>),
@@ -17,7 +19,7 @@ impl<'a> LiteralTree<'a> {
         matches!(self, LiteralTree::Word(_, "null"))
     }
 
-    /// Byte offset in the text at which the literal begins.
+    /// Returns the byte offset at which the literal begins in the text.
     fn offset(&self) -> usize {
         match self {
             LiteralTree::Word(at, _) | LiteralTree::Object(at, _) | LiteralTree::Array(at, _) => {
@@ -26,8 +28,8 @@ impl<'a> LiteralTree<'a> {
         }
     }
 
-    /// Returns the value that `read` makes of a literal of a single word; an error if the literal has several parts or
-    /// `read` returns `None`.
+    /// Returns the value that `read` makes of a literal of a single word. Returns an error if the literal has several
+    /// parts or `read` returns `None`; `what` names the expected value in the error message.
     pub(super) fn word<T>(
         &self,
         what: &str,
@@ -47,7 +49,8 @@ impl<'a> LiteralTree<'a> {
         }
     }
 
-    /// Returns the fields of a structured literal by these names. Exactly these fields must be present, in any order.
+    /// Returns the fields with these names of a literal such as `{x:1.0,y:2.0}`, in the order of `names`. Returns an
+    /// error unless the literal has exactly these fields, in any order.
     pub(super) fn fields<const N: usize>(
         &self,
         names: [&str; N],
@@ -66,7 +69,7 @@ impl<'a> LiteralTree<'a> {
     }
 }
 
-/// Parses a text that consists of one literal.
+/// Parses a text that must consist of exactly one literal.
 pub(super) fn parse(text: &str) -> Result<LiteralTree<'_>, LiteralError> {
     let mut reader = Parser { text, offset: 0 };
     let tree = reader.value(0)?;

@@ -4,7 +4,7 @@ use rpi_image::{Scalar, Type};
 use rpi_prims::geometry;
 use rpi_prims::value_types::{FlowType, Rotation};
 
-/// Returns the text of a value of a flow type. `cells` are the memory slots of the value.
+/// Returns the literal of a value of a flow type. `cells` are the memory slots of the value.
 #[must_use]
 pub fn write(cells: &[u64], ty: Type) -> String {
     match ty {
@@ -60,8 +60,8 @@ fn object(names: [&str; 3], cells: &[u64]) -> String {
     format!("{{{}}}", fields.join(","))
 }
 
-/// Returns the Euler angles (rad; about z, then y, then x of the turned frame) of a rotation given by its memory slots;
-/// zeros for too few slots.
+/// Returns the Euler angles of a rotation in radians: about z, then y, then x of the turned frame. `cells` are the
+/// memory slots of the rotation (a unit quaternion); too few slots give zeros.
 ///
 /// Angles computed from a quaternion are exact only up to rounding. The angles rounded to 15 digits, as people write
 /// them, are returned instead if they reproduce the rotation at least as well.
@@ -86,7 +86,7 @@ fn rotation(cells: &[u64]) -> String {
     object(["a", "b", "c"], &euler_angles(cells).map(f64::to_bits))
 }
 
-/// Returns the shortest text that parses to the same bits of a real number.
+/// Returns the shortest literal that parses to the same real number. `bits` are those of the number.
 fn real(bits: u64) -> String {
     let value = f64::from_bits(bits);
     if value.is_nan() {
@@ -98,7 +98,8 @@ fn real(bits: u64) -> String {
     }
 }
 
-/// Formats a finite real with an exponent from 10^7 on and below 10^-3, as Java does: `1.0E-5`, `2.5E7`.
+/// Returns the text of a finite real in the notation of Java: with an exponent from 10^7 on and below 10^-3, as in
+/// `1.0E-5` and `2.5E7`.
 fn finite(value: f64) -> String {
     if value == 0.0 || (1e-3..1e7).contains(&value.abs()) {
         return format!("{value:?}");
@@ -111,7 +112,8 @@ fn finite(value: f64) -> String {
     }
 }
 
-/// Formats a time in nanoseconds as milliseconds with at most six digits after the point.
+/// Returns the text of a time in milliseconds, with at most six digits after the point. `ns` is the time in
+/// nanoseconds.
 fn millis(ns: i64) -> String {
     let (whole, part) = (ns / 1_000_000, (ns % 1_000_000).unsigned_abs());
     if part == 0 {

@@ -7,30 +7,34 @@ use rpi_image::operands::{OperandRole, operand_layout};
 use rpi_prims::PrimId;
 use std::rc::Rc;
 
-/// Way in which an operation uses one of its operand words: reads or writes a register, or takes it as a number.
+/// Way in which an operation uses one of its operand words: the word is a register that is read or written, or a plain
+/// number.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub(crate) enum Access {
     /// The operation reads the value of the register.
     Read,
-    /// The operation reads the register as a presence, which decides what it does.
+    /// The operation reads the register as a presence: true if an input has a value in the current cycle. The operation
+    /// decides by it what to compute.
     ReadPresence,
     /// The operation writes the register.
     Write,
-    /// The operation keeps state in the register from cycle to cycle.
+    /// The operation stores its state in the register from cycle to cycle: it reads and writes the register.
     State,
-    /// The word is a number, not a register.
+    /// The word is a number, such as the length of an array, and not a register.
     Number,
 }
 
-/// Cache of the accesses of every primitive and form that was requested.
+/// Cache of the ways in which primitives use their operand words, for each primitive and form that was requested.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct AccessTable {
-    /// Accesses by primitive, two entries each, one for each form; `None` if not requested yet.
+    /// Access of each operand word of a primitive in a form. The index is twice the number of the primitive, plus the
+    /// number of the form (0 or 1); `None` if not computed yet.
     known: Vec<Option<Rc<[Access]>>>,
 }
 
 impl AccessTable {
-    /// Returns the accesses of a primitive in a form, one per operand word. Computes them on the first request.
+    /// Returns the accesses of a primitive in a form (with or without presence words), one per operand word. Computes
+    /// them on the first request.
     pub(crate) fn get_or_compute(&mut self, prim: PrimId, form: Form) -> Rc<[Access]> {
         let at = usize::from(prim.0) * 2 + form as usize;
         if self.known.len() <= at {
@@ -39,8 +43,8 @@ impl AccessTable {
         Rc::clone(self.known[at].get_or_insert_with(|| accesses(prim, form).into()))
     }
 
-    /// Returns the accesses of a primitive in a form, one per operand word; empty unless
-    /// [`AccessTable::get_or_compute`] was called before.
+    /// Returns the accesses of a primitive in a form, one per operand word. The result is empty unless
+    /// [`AccessTable::get_or_compute`] was called for the same primitive and form before.
     pub(crate) fn get(&self, prim: PrimId, form: Form) -> &[Access] {
         let at = usize::from(prim.0) * 2 + form as usize;
         self.known.get(at).and_then(|s| s.as_deref()).unwrap_or(&[])
@@ -63,17 +67,18 @@ fn accesses(prim: PrimId, form: Form) -> Vec<Access> {
     all
 }
 
-/// Accesses of all operand words of an operation.
+/// Accesses of all operand words of an operation, in one of two notations.
 #[derive(Clone, Copy)]
 pub(crate) enum OpAccesses<'a> {
     /// One access for each operand word, as in a call of a primitive.
     Each(&'a [Access]),
-    /// The first words, this many, are read and the others are written: a copy or a device access.
+    /// Number of operand words that are read; all words after them are written. A copy or a device access has this
+    /// form.
     Split(usize),
 }
 
 impl OpAccesses<'_> {
-    /// Access of the operand word with index `k`.
+    /// Returns the access of the operand word with index `k`, counted from 0. Panics if a primitive has fewer words.
     pub(crate) fn access(self, k: usize) -> Access {
         match self {
             OpAccesses::Each(all) => all[k],
@@ -84,14 +89,15 @@ impl OpAccesses<'_> {
 }
 
 impl Access {
-    /// True if the word is read, as a value or as a presence.
+    /// Returns true if the register is read, as a value or as a presence; false if it is written or holds state.
     pub(crate) const fn is_read(self) -> bool {
         matches!(self, Access::Read | Access::ReadPresence)
     }
 }
 
 impl AccessTable {
-    /// Accesses of the operand words of an operation.
+    /// Returns the accesses of the operand words of an operation. For a primitive, [`AccessTable::get_or_compute`] must
+    /// have been called before.
     pub(crate) fn op_accesses(&self, op: Op) -> OpAccesses<'_> {
         match op.kind {
             OpKind::Run(prim, form) => OpAccesses::Each(self.get(prim, form)),
@@ -104,7 +110,8 @@ impl AccessTable {
 }
 
 impl FlatNet {
-    /// The registers of an operation with their accesses, in order; numbers are omitted.
+    /// Returns the registers among the operand words of an operation, each with its access, in the order of the words.
+    /// Words that are plain numbers are omitted.
     pub(crate) fn accesses(&self, op: Op) -> impl Iterator<Item = (Access, Register)> + '_ {
         let shape = self.accesses.op_accesses(op);
         let words = self.words(op).iter().enumerate();
@@ -114,12 +121,13 @@ impl FlatNet {
         })
     }
 
-    /// Access of an operation through its word `k`.
+    /// Returns the way in which an operation uses its operand word with index `k`.
     pub(crate) fn access(&self, op: Op, k: usize) -> Access {
         self.accesses.op_accesses(op).access(k)
     }
 
-    /// Replaces the registers of an operation whose access satisfies `which`.
+    /// Replaces each register of an operation whose access satisfies the predicate `which` by the register that `by`
+    /// returns for it.
     pub(crate) fn replace(
         &mut self,
         op: Op,
@@ -135,12 +143,12 @@ impl FlatNet {
         }
     }
 
-    /// The registers that an operation reads, including constants and presences.
+    /// Returns the registers that an operation reads, including constants and presences, without its state.
     pub(crate) fn reads(&self, op: Op) -> impl Iterator<Item = Register> + '_ {
         self.accesses(op).filter(|a| a.0.is_read()).map(|a| a.1)
     }
 
-    /// The registers that an operation writes.
+    /// Returns the registers that an operation writes, without its state.
     pub(crate) fn writes(&self, op: Op) -> impl Iterator<Item = Register> + '_ {
         self.accesses(op)
             .filter(|a| a.0 == Access::Write)

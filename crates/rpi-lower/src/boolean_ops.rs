@@ -7,8 +7,8 @@ use rpi_net::prim;
 use rpi_prims::PrimId;
 use rustc_hash::FxHashMap;
 
-/// Table of Boolean operations for value numbering: maps (primitive, first, second) to the operations with these
-/// operands.
+/// Table of the Boolean operations that the lowering has added, so that equal ones are computed once. Maps (primitive,
+/// first operand, second operand) to the operations with these operands, in different scopes.
 #[derive(Default)]
 pub(crate) struct BooleanOps {
     known: FxHashMap<(PrimId, Register, Register), Vec<AddedOp>>,
@@ -16,15 +16,16 @@ pub(crate) struct BooleanOps {
 
 /// A Boolean operation that has been added to the flat net, with its result.
 struct AddedOp {
-    /// Index of the operation.
+    /// Index of the operation in [`FlatNet::ops`].
     op: u32,
-    /// Scope in which the operation is computed.
+    /// Scope in whose list of items the operation is.
     scope: ScopeId,
     result: Register,
 }
 
 impl BooleanOps {
-    /// Conjunction of two registers, computed in `scope` unless it is known in an enclosing scope.
+    /// Returns the register of the conjunction of two Boolean registers. Adds the operation to `scope` unless a
+    /// constant operand decides the result or an equal operation runs whenever `scope` does.
     pub(crate) fn and(
         &mut self,
         flat: &mut FlatNet,
@@ -41,7 +42,8 @@ impl BooleanOps {
         }
     }
 
-    /// Disjunction of two registers; see [`BooleanOps::and`].
+    /// Returns the register of the disjunction of two Boolean registers. Adds the operation to `scope` unless a
+    /// constant operand decides the result or an equal operation runs whenever `scope` does.
     pub(crate) fn or(
         &mut self,
         flat: &mut FlatNet,
@@ -58,7 +60,8 @@ impl BooleanOps {
         }
     }
 
-    /// Negation of a register; see [`BooleanOps::and`].
+    /// Returns the register of the negation of a Boolean register. Adds the operation to `scope` unless the operand is
+    /// constant or an equal operation runs whenever `scope` does.
     pub(crate) fn not(&mut self, flat: &mut FlatNet, scope: ScopeId, a: Register) -> Register {
         match a {
             Register::FALSE => Register::TRUE,
@@ -98,8 +101,9 @@ impl BooleanOps {
 }
 
 impl AddedOp {
-    /// Moves the operation to the innermost scope that encloses its own and `reader`. Returns false if an operand is
-    /// computed between the two places; the operation then stays.
+    /// Moves the operation outwards to the innermost scope that encloses both its own scope and `reader`, where it can
+    /// serve readers in both. Returns false and leaves the operation in place if an operand is computed between the two
+    /// places.
     fn hoist(&mut self, flat: &mut FlatNet, reader: ScopeId, operands: [Register; 2]) -> bool {
         let parent = |s: &ScopeId| flat.scopes[s.index()].parent;
         let outwards = std::iter::successors(Some(self.scope), parent);
@@ -130,12 +134,15 @@ impl AddedOp {
     }
 }
 
-/// Largest number of operations searched for a writer of an operand. If more would be needed, the operation is not
-/// moved.
+/// Largest number of operations and scopes searched for a writer of an operand, a bound on the compile time. If the
+/// search would need more, the operation is not moved.
 const SEARCHED: u32 = 10_000;
 
-/// Returns whether one of the registers is written in `scope` before the operation `end`; `None` if `end` is not in the
-/// scope. A search that takes more than `budget` steps counts as a write.
+/// Returns whether one of the registers `slots` is written in `scope`, or a scope inside it, before the operation with
+/// index `end`; `None` if that operation is not in the scope.
+///
+/// A search of more than `budget` items returns true, which is safe: a register counts as written. `budget` is reduced by
+/// one for each item.
 fn writes_before(
     flat: &FlatNet,
     scope: ScopeId,

@@ -13,7 +13,10 @@ use rpi_image::Image;
 use rpi_image::image::{CommandEnd, MAX_SLOTS, Signal};
 use rpi_net::Net;
 
-/// Writes the image of a flat net. Returns an error if the command needs too much memory.
+/// Writes the image, the executable form of a command, of a flat net.
+///
+/// # Errors
+/// Returns an error if the command needs more than [`MAX_SLOTS`] memory slots.
 pub(crate) fn emit(
     net: &Net,
     flat: &FlatNet,
@@ -40,7 +43,8 @@ pub(crate) fn emit(
     Ok(image)
 }
 
-/// Writes the tables of the image, with registers replaced by memory slots.
+/// Copies the tables of the flat net, such as sensors and exports, to the image. Replaces registers by their memory
+/// slots.
 fn tables(flat: &FlatNet, layouts: &MemoryLayout, image: &mut Image) {
     let t = flat.tables.clone();
     image.sensors = t.sensors.into_iter().map(|s| s.0).collect();

@@ -9,7 +9,8 @@ use rpi_image::image::{
 };
 use rpi_prims::PrimId;
 
-/// Index of a scope; 0 is the root, which is always active.
+/// Index of a scope (a group of operations that are skipped together) in [`FlatNet::scopes`]; 0 is the root, which is
+/// always active.
 #[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Debug)]
 pub(crate) struct ScopeId(pub(crate) u32);
 
@@ -21,19 +22,19 @@ impl ScopeId {
     }
 }
 
-/// What an operation of the flat net computes.
+/// Kind of an operation of the flat net.
 #[derive(Clone, Copy, PartialEq, Eq, Hash, Debug)]
 pub(crate) enum OpKind {
-    /// A call of a primitive. Its words are laid out as in [`rpi_image::operands`], with registers in place of memory
-    /// slots.
+    /// Call of a primitive in one form of its code, with or without presences. Its operand words are laid out as in
+    /// [`rpi_image::operands`], with registers in place of memory slots.
     Run(PrimId, Form),
-    /// A copy of one value. Words: source, target.
+    /// Copy of one value. The operand words are the source register and the target register.
     Copy,
-    /// A set-point: index into [`Tables::actuators`], and the number of words that are inputs. The other words are
-    /// answers.
+    /// Output of a set-point: index into [`Tables::actuators`], and the number of operand words that are inputs. The
+    /// remaining words are registers for the responses of the device.
     Actuate(u32, u32),
-    /// A device function: index into [`Tables::functions`], and the number of words that are arguments. The other words
-    /// are results.
+    /// Call of a device function: index into [`Tables::functions`], and the number of operand words that are arguments.
+    /// The remaining words are registers for the results.
     Call(u32, u32),
 }
 
@@ -41,10 +42,10 @@ pub(crate) enum OpKind {
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub(crate) struct Op {
     pub(crate) kind: OpKind,
-    /// Start of its words in [`FlatNet::words`].
+    /// Index of the first operand word of the operation in [`FlatNet::words`].
     pub(crate) at: u32,
     pub(crate) len: u32,
-    /// The node that it computes; [`NO_NODE`] for operations added by the lowering.
+    /// Index of the net's node that the operation computes; [`NO_NODE`] for operations added by the lowering.
     pub(crate) node: u32,
 }
 
@@ -56,24 +57,27 @@ pub(crate) enum Item {
     Scope(ScopeId),
 }
 
-/// Operations that are skipped together, with nested scopes.
+/// Group of operations and nested scopes that are skipped together in cycles in which a Boolean register is false.
 #[derive(Clone, Debug)]
 pub(crate) struct Scope {
     pub(crate) parent: Option<ScopeId>,
-    /// The scope is skipped unless this register is true. [`Register::TRUE`] for a scope that exists only for its reset.
+    /// Boolean register that is true in the cycles in which the scope runs. [`Register::TRUE`] for a scope that exists
+    /// only for its reset.
     pub(crate) guard: Register,
-    /// Fragment whose initial state is restored at the start of the scope, unless the register is true.
+    /// Reset at the start of the scope: a Boolean register, and the index of the fragment whose initial state is
+    /// restored if that register is false. `None` if the scope has no reset.
     pub(crate) reset: Option<(Register, u32)>,
     pub(crate) items: Vec<Item>,
-    /// Pairs of registers (source, target) copied at the end of the cycle, for values that are read in the next one.
+    /// Pairs of registers (source, target) copied at the end of each cycle in which the scope is active. The targets
+    /// are read in the next such cycle.
     pub(crate) latches: Vec<(Register, Register)>,
 }
 
-/// Tables of the image, with registers in place of memory slots.
+/// Tables of the image, such as sensors and exports, with register numbers in place of memory slots.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Tables {
     pub(crate) fragments: Vec<Fragment>,
-    /// Sensors, each with the node that reads it.
+    /// Sensors, each with the index of the node that reads it.
     pub(crate) sensors: Vec<(SensorPort, u32)>,
     pub(crate) actuators: Vec<Actuator>,
     pub(crate) functions: Vec<Function>,
@@ -81,28 +85,33 @@ pub(crate) struct Tables {
     pub(crate) exports: Vec<Export>,
     pub(crate) flows: Vec<CoreFlow>,
     pub(crate) end: CommandEnd,
-    /// Every port of every node, as node number, port number and location of the value.
+    /// Out-ports that an observer can read, as index of the node, index of the port and registers of the value. Empty
+    /// unless all ports must be observable.
     pub(crate) probes: Vec<(u32, u8, Signal)>,
 }
 
-/// An actuator port. Its inputs and responses are operand words of the operation that sets it.
+/// Actuator port of a device. The registers of its inputs and of the device's responses are operand words of the
+/// operation that sets the port.
 #[derive(Clone, Debug)]
 pub(crate) struct Actuator {
     pub(crate) port: DevicePort,
     pub(crate) answers: &'static [DeviceResponse],
 }
 
-/// A device function. Its arguments and results are operand words of the operation that calls it.
+/// Function of a device, such as inverse kinematics. The registers of its arguments and results are operand words of
+/// the operation that calls the function.
 #[derive(Clone, Debug)]
 pub(crate) struct Function {
     pub(crate) port: DevicePort,
-    /// Whether a call may have no result. The last operand word then receives whether there was one.
+    /// Whether a call may yield no result. If true, the last operand word is a register that receives whether there was
+    /// a result.
     pub(crate) may_fail: bool,
-    /// Bound of the work of a call, in elementary operations.
+    /// Upper bound of the work of one call, in elementary operations (the addition of two reals is 1).
     pub(crate) work: u32,
 }
 
-/// A net translated to operations on registers, in nested scopes without fragments and links.
+/// A net translated to operations on registers, in nested scopes. Presence and activation of its flows are Boolean
+/// registers.
 #[derive(Clone, Debug)]
 pub(crate) struct FlatNet {
     pub(crate) registers: Registers,
@@ -113,12 +122,12 @@ pub(crate) struct FlatNet {
     pub(crate) tables: Tables,
 }
 
-/// Node number of operations that belong to no node.
+/// Value in place of the node index for operations that belong to no node of the net.
 pub(crate) const NO_NODE: u32 = u32::MAX;
 
 impl FlatNet {
-    /// An empty net with capacity for about `primitives` primitives. Reserving avoids the fragmentation that growing
-    /// large tables causes.
+    /// Creates an empty flat net with the root scope, and capacity for about `primitives` primitives. Reserving memory
+    /// avoids the fragmentation that growing large tables causes.
     pub(crate) fn new(primitives: usize) -> Self {
         let root = Scope {
             parent: None,
@@ -137,7 +146,8 @@ impl FlatNet {
         }
     }
 
-    /// Opens a scope inside `parent`. The scope is inserted there when it is closed.
+    /// Creates a scope inside `parent` that runs in the cycles in which `guard` is true. Returns its index.
+    /// [`FlatNet::close`] must be called to insert it into the items of `parent`.
     pub(crate) fn open(&mut self, parent: ScopeId, guard: Register) -> ScopeId {
         let id = ScopeId(index(self.scopes.len()));
         self.scopes.push(Scope {
@@ -150,14 +160,14 @@ impl FlatNet {
         id
     }
 
-    /// Appends a scope to the items of its parent.
+    /// Appends a scope created by [`FlatNet::open`] to the items of its parent.
     pub(crate) fn close(&mut self, scope: ScopeId) {
         if let Some(parent) = self.scopes[scope.index()].parent {
             self.scopes[parent.index()].items.push(Item::Scope(scope));
         }
     }
 
-    /// Appends an operation to a scope.
+    /// Appends an operation with the operand words `words` to a scope. `node` is the index of its node, or [`NO_NODE`].
     pub(crate) fn push(&mut self, scope: ScopeId, work: OpKind, words: &[u32], node: u32) {
         if let OpKind::Run(prim, form) = work {
             self.accesses.get_or_compute(prim, form);
@@ -175,7 +185,8 @@ impl FlatNet {
         self.ops.push(op);
     }
 
-    /// Appends a copy of one value to a scope.
+    /// Appends a copy of one value from register `from` to register `to` to a scope. `node` is the index of its node,
+    /// or [`NO_NODE`].
     pub(crate) fn copy(&mut self, scope: ScopeId, from: Register, to: Register, node: u32) {
         self.push(scope, OpKind::Copy, &[from.0, to.0], node);
     }
@@ -185,7 +196,7 @@ impl FlatNet {
     }
 }
 
-/// Converts a length to an index. No table of a net has 2^32 entries.
+/// Converts a length or position to a 32-bit index. Panics from 2^32 on, which no table of a net reaches.
 pub(crate) fn index(n: usize) -> u32 {
     u32::try_from(n).expect("fewer than 2^32 parts")
 }

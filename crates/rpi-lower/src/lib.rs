@@ -29,10 +29,10 @@ use rpi_image::Image;
 use rpi_net::Net;
 use rpi_prims::PrimId;
 
-/// Lowers a net that has passed all checks.
+/// Translates a net that has passed all checks to an image, its executable form.
 ///
 /// # Errors
-/// Returns an error if the command is too large to run.
+/// Returns an error if the command needs more memory than an image may have.
 pub fn lower(net: &Net, plan: &Plan<'_>, options: &LowerOptions<'_>) -> Result<Image, LowerError> {
     let mut flat = build::build(net, plan, options);
     if options.observe == Observe::Exports {
@@ -45,12 +45,13 @@ pub fn lower(net: &Net, plan: &Plan<'_>, options: &LowerOptions<'_>) -> Result<I
     emit::emit(net, &flat, options)
 }
 
-/// Names and descriptions of the optimisation passes, in the order in which they run.
+/// Returns the names and descriptions of the optimisation passes, in the order in which they run.
 pub fn passes() -> impl Iterator<Item = (&'static str, &'static str)> {
     passes::PASSES.iter().map(|p| (p.name, p.description))
 }
 
-/// Verifies the image of the net after the optimisation pass named `pass`. Panics on a verification error.
+/// Verifies the image of the net after the optimisation pass named `pass`. Panics with the text of the image if it
+/// violates a rule.
 fn verify_pass(net: &Net, flat: &FlatNet, options: &LowerOptions<'_>, pass: &str) {
     let catalogue = |name: &str| PrimId::from_name(name).map(PrimId::desc);
     let Ok(image) = emit::emit(net, flat, options) else {

@@ -3,30 +3,34 @@
 use rpi_net::PortRef;
 use rpi_prims::CycleTime;
 
-/// Choices of the caller for the lowering of a net to an image.
+/// Choices of the caller for the translation of a net to an image.
 #[derive(Clone, Copy)]
 pub struct LowerOptions<'a> {
-    /// Period of the command in nanoseconds.
+    /// Period of the command, the time between two of its cycles, in nanoseconds.
     pub period_ns: u64,
-    /// Length of a tick in nanoseconds. It divides the period, and values of type `time` count it.
+    /// Length of a tick, the smallest time step of the core, in nanoseconds. The period is a whole multiple of it, and
+    /// values of the source type `time` count ticks.
     pub tick_ns: u64,
-    /// Values that must be observable while the image runs.
+    /// Set of values that an observer must be able to read while the image runs.
     pub observe: Observe,
-    /// Ports that may be absent even if their primitive is always present. A replay can force them to be absent.
+    /// Predicate that is true for out-ports that may be absent although their primitive always outputs a value, because
+    /// a replay may force an absent value on them.
     pub may_be_absent: &'a dyn Fn(PortRef) -> bool,
 }
 
-/// Set of values that can be observed while an image runs.
+/// Set of values that an observer can read while an image runs.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub enum Observe {
-    /// Every port of every node, one step per node: for replay, tracing and debugging.
+    /// Every out-port of every node. Each node has a step of its own, and no pass optimises: for replay, tracing and
+    /// debugging.
     All,
-    /// Only results, exports and set-points, so that the passes may optimise everything else.
+    /// Only results, exports and set-points, so that the passes may optimise all other values away.
     Exports,
 }
 
 impl LowerOptions<'_> {
-    /// Options for running: only exports, results and set-points are observable.
+    /// Returns the options for normal operation, with a tick as long as the period: only exports, results and
+    /// set-points are observable.
     #[must_use]
     pub fn running(period_ns: u64) -> Self {
         LowerOptions {
@@ -37,7 +41,7 @@ impl LowerOptions<'_> {
         }
     }
 
-    /// Options for observing every port.
+    /// Returns the options for debugging, with a tick as long as the period: every port is observable.
     #[must_use]
     pub fn observed(period_ns: u64) -> Self {
         LowerOptions {
@@ -46,19 +50,19 @@ impl LowerOptions<'_> {
         }
     }
 
-    /// Period in seconds.
+    /// Returns the period of the command in seconds.
     #[must_use]
     pub fn dt(&self) -> f64 {
         self.period_ns as f64 / 1e9
     }
 
-    /// The same options with another tick, in nanoseconds.
+    /// Returns the options with a different length of the core's tick, in nanoseconds.
     #[must_use]
     pub fn with_tick(self, tick_ns: u64) -> Self {
         LowerOptions { tick_ns, ..self }
     }
 
-    /// The values of time flows in cycle 0, which constant folding uses.
+    /// Returns the times of cycle 0, with all clocks at 0, for the evaluation of constant expressions at compile time.
     pub(crate) fn clock(&self) -> CycleTime {
         CycleTime {
             dt: self.dt(),

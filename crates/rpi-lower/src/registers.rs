@@ -5,14 +5,15 @@ use rpi_net::FragmentId;
 use rustc_hash::FxHashMap;
 use std::collections::BTreeMap;
 
-/// A virtual register: storage for one value, in one or more adjacent memory slots.
+/// Index of a virtual register: storage for one value, which is assigned one or more adjacent memory slots when the
+/// image is written.
 #[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Debug)]
 pub(crate) struct Register(pub(crate) u32);
 
 impl Register {
-    /// The constant 0: false, or never present.
+    /// Register of the constant 0; as a Boolean: false, as a presence: never present.
     pub(crate) const FALSE: Register = Register(0);
-    /// The constant 1: true, or always present.
+    /// Register of the constant 1; as a Boolean: true, as a presence: always present.
     pub(crate) const TRUE: Register = Register(1);
 
     pub(crate) const fn index(self) -> usize {
@@ -20,33 +21,33 @@ impl Register {
     }
 }
 
-/// Memory region of a register.
+/// Region of the image's memory in which a register is placed.
 #[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Debug)]
 pub(crate) enum Region {
     Constant,
     External,
-    /// State that is reset together with this fragment.
+    /// State that lasts from cycle to cycle and is reset when this fragment is reset.
     State(FragmentId),
     Value,
 }
 
-/// All virtual registers of a net.
+/// Sizes, regions and initial contents of all virtual registers of a net, by register number.
 #[derive(Clone, Debug)]
 pub(crate) struct Registers {
     sizes: Vec<u32>,
     regions: Vec<Region>,
-    /// For each register of one memory slot, its initial content.
+    /// For each register, its initial content if it has one memory slot; else 0.
     initial_bits: Vec<u64>,
-    /// Initial contents of larger registers that are not all zero.
+    /// Initial contents of registers with more than one memory slot, unless all slots are zero.
     wide_initial: BTreeMap<Register, Vec<u64>>,
-    /// Constants of one memory slot by content. Most constants are of this kind.
+    /// Registers of the constants that have one memory slot, by content. Most constants are of this kind.
     constants: FxHashMap<u64, Register>,
-    /// Larger constants by content.
+    /// Registers of the constants that have no or several memory slots, by content.
     wide_constants: FxHashMap<Vec<u64>, Register>,
 }
 
 impl Registers {
-    /// The table with the registers of the two Boolean constants, and capacity for `room` registers.
+    /// Creates a table with the registers of the constants 0 and 1, and capacity for `room` registers.
     pub(crate) fn new(room: usize) -> Self {
         let mut slots = Registers {
             sizes: Vec::with_capacity(room),
@@ -73,7 +74,7 @@ impl Registers {
         self.regions[slot.index()]
     }
 
-    /// Adds a register with initial content 0.
+    /// Adds a register of `cells` memory slots with initial content 0, and returns it.
     pub(crate) fn add(&mut self, region: Region, cells: u32) -> Register {
         let slot = Register(u32::try_from(self.sizes.len()).expect("fewer than 2^32 slots"));
         self.sizes.push(cells);
@@ -82,7 +83,8 @@ impl Registers {
         slot
     }
 
-    /// Adds a register of a region that has these slot values when the image is loaded. Returns it.
+    /// Adds a register with as many memory slots as `content` has, which contain these values when the image is loaded.
+    /// Returns the register.
     pub(crate) fn add_with_initial(&mut self, region: Region, content: &[u64]) -> Register {
         let cells = u32::try_from(content.len()).expect("fewer than 2^32 cells");
         let slot = self.add(region, cells);
@@ -90,16 +92,19 @@ impl Registers {
         slot
     }
 
-    /// Sets the slot values that a register has when the image is loaded.
+    /// Sets the values that the memory slots of a register have when the image is loaded, one entry of `content` per
+    /// slot. Without an entry a register contains zeros.
     pub(crate) fn set_initial(&mut self, slot: Register, content: &[u64]) {
         if let [bits] = content {
             self.initial_bits[slot.index()] = *bits;
         } else if content.iter().any(|&bits| bits != 0) {
             self.wide_initial.insert(slot, content.to_vec());
+        } else {
+            self.wide_initial.remove(&slot);
         }
     }
 
-    /// The register of a constant; equal constants share one.
+    /// Returns the register of a constant with these slot values. Equal constants share one register.
     pub(crate) fn constant(&mut self, content: &[u64]) -> Register {
         let known = match content {
             [bits] => self.constants.get(bits),
@@ -116,7 +121,7 @@ impl Registers {
         slot
     }
 
-    /// The register of a constant value; [`Register::FALSE`] for strings, which have no memory.
+    /// Returns the register of a constant value; [`Register::FALSE`] for a text, which needs no memory at run time.
     pub(crate) fn value(&mut self, value: &Value) -> Register {
         match value {
             Value::Slots { cells, .. } => self.constant(cells),
@@ -124,7 +129,7 @@ impl Registers {
         }
     }
 
-    /// Appends the initial content of a register to `into`.
+    /// Appends the initial content of a register, one entry per memory slot, to `into`.
     pub(crate) fn append_initial(&self, slot: Register, into: &mut Vec<u64>) {
         match (self.size(slot), self.wide_initial.get(&slot)) {
             (1, _) => into.push(self.initial_bits[slot.index()]),
@@ -133,7 +138,7 @@ impl Registers {
         }
     }
 
-    /// All initial contents that are not zero: register, offset in it, bits.
+    /// Returns all initial contents that are not zero: register, index of the memory slot in the register, bits.
     pub(crate) fn initial_contents(&self) -> impl Iterator<Item = (Register, u32, u64)> + '_ {
         let single = (0..)
             .zip(&self.initial_bits)

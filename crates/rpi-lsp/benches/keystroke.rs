@@ -14,10 +14,10 @@ const URI: &str = "file:///cell/large.rpi";
 const LINES: usize = 1000;
 const KEYSTROKES: usize = 400;
 
-/// Time between keystrokes of a fast typist.
+/// Time between two keystrokes: 40 ms, as of a fast typist.
 const KEYSTROKE_INTERVAL: Duration = Duration::from_millis(40);
 
-/// Generates a program of controllers that call one another, and commands that use them.
+/// Returns a program of [`LINES`] lines: controllers that call one another, and commands that use them.
 fn program() -> String {
     let mut text = String::from("use motion;\n");
     let mut k = 0;
@@ -32,7 +32,7 @@ fn program() -> String {
     text
 }
 
-/// Generates a filtered PI controller; every second one calls the previous one.
+/// Returns the text of node number `k`, a filtered PI controller. Every second controller calls the previous one.
 fn controller(k: usize) -> String {
     let inner = match k % 2 {
         1 => format!("controller_{}(target: target, seen: seen)", k - 1),
@@ -64,8 +64,8 @@ fn connect() -> LspClient {
     LspClient::new(client_in, client_out)
 }
 
-/// Returns the edit of the k-th keystroke: a word grows letter by letter and is replaced again. Most of the texts
-/// have a syntax error.
+/// Returns the change of the document for keystroke number `k`, in the form of the protocol. A word grows letter by
+/// letter and is then replaced; most of the texts have a syntax error.
 fn edit(k: usize) -> Value {
     let column = 12 + (k % 8) as u64;
     let start = json!({ "line": LINES / 2, "character": 0 });

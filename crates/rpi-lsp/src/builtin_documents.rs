@@ -9,17 +9,18 @@ use std::sync::{LazyLock, Mutex, PoisonError};
 
 use rpi_diag::Code;
 
-/// Prefix of the source names of the standard library.
+/// Prefix of the names under which the compiler reports source files of the standard library.
 const LIBRARY_PREFIX: &str = "stdlib/";
 
-/// Environment variables with a base directory, and the subdirectory of the cache below it.
+/// Environment variables that give a base directory, each with the directory of the cache below it. The first variable
+/// with an absolute path is used.
 const CACHE_VARIABLES: &[(&str, &str)] = &[
     ("XDG_CACHE_HOME", "rpi"),
     ("LOCALAPPDATA", "rpi"),
     ("HOME", ".cache/rpi"),
 ];
 
-/// Directory of the copies for this version of the tool: read-only texts that an editor can open.
+/// Directory of the copies of built-in texts for this version of the tool. An editor opens the copies for reading only.
 static CACHE_DIR: LazyLock<PathBuf> = LazyLock::new(|| {
     let set = |(name, below): &(&str, &str)| {
         let folder = std::env::var_os(name).map(PathBuf::from);
@@ -30,7 +31,8 @@ static CACHE_DIR: LazyLock<PathBuf> = LazyLock::new(|| {
     cache.join(env!("CARGO_PKG_VERSION"))
 });
 
-/// Returns the path of a source file; for the standard library, the path of the copy in the cache.
+/// Returns the path at which an editor can open a source file. For a file of the standard library, this is the path of
+/// a copy in the cache.
 pub(crate) fn source_path(name: &str) -> PathBuf {
     library_path(name).unwrap_or_else(|| PathBuf::from(name))
 }
@@ -40,12 +42,14 @@ fn library_path(name: &str) -> Option<PathBuf> {
     write_once(name, rpi_driver::library_text(module)?)
 }
 
-/// Returns the path of the page of a code, with the text that `rpic explain` prints.
+/// Returns the path of a copy of the explanation page of a diagnostic code, with the text that `rpic explain` prints.
+/// Returns `None` if the copy cannot be written.
 pub(crate) fn code_page_path(code: Code) -> Option<PathBuf> {
     write_once(&format!("findings/{code}.md"), code.page())
 }
 
-/// Paths of the copies written by this process, by name; [`None`] if writing failed.
+/// Paths of the copies that this process has written, by the name of the built-in text; [`None`] if the copy could not
+/// be written.
 static WRITTEN: Mutex<BTreeMap<String, Option<PathBuf>>> = Mutex::new(BTreeMap::new());
 
 fn write_once(name: &str, text: &str) -> Option<PathBuf> {
@@ -54,7 +58,8 @@ fn write_once(name: &str, text: &str) -> Option<PathBuf> {
     path.or_insert_with(|| write_copy(name, text)).clone()
 }
 
-/// Writes a text to the cache unless the file already has this content. Returns its path.
+/// Writes a text to a file of the cache, unless the file already has this content. Returns the path of the file; `None`
+/// if it cannot be written.
 fn write_copy(name: &str, text: &str) -> Option<PathBuf> {
     let path = CACHE_DIR.join(name);
     let is_there = std::fs::read(&path).is_ok_and(|old| old == text.as_bytes());

@@ -8,22 +8,22 @@ use lsp_types::{
 
 use crate::line_index::Encoding;
 
-/// Kind of the code action that applies all sure fixes.
+/// Kind of the code action that applies all sure fixes of a document. Editors can run actions of this kind on saving.
 pub(crate) const FIX_ALL: CodeActionKind = CodeActionKind::new("source.fixAll.rpi");
 
-/// Features that the editor supports, which decide the form of responses.
+/// Features of the client (the editor) that decide the form of the responses.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct ClientFeatures {
-    /// Unit in which the client counts columns.
+    /// Unit in which the client counts columns: bytes or 16-bit code units.
     pub(crate) encoding: Encoding,
-    /// Whether the client supports edits with document versions.
+    /// True if the client accepts edits that name the version of the document they are for.
     pub(crate) versioned_edits: bool,
-    /// Whether the client can report changed files on disk (dynamic registration).
+    /// True if the client can notify the server of changed files on disk (dynamic registration).
     pub(crate) watches_files: bool,
 }
 
 impl ClientFeatures {
-    /// Reads the features of the editor from the `initialize` request.
+    /// Returns the features of the client that its `initialize` request declares.
     pub(crate) fn from_params(params: &InitializeParams) -> ClientFeatures {
         let all = &params.capabilities;
         let encodings = all
@@ -40,7 +40,7 @@ impl ClientFeatures {
         }
     }
 
-    /// Creates the response to `initialize`, with the capabilities of the server.
+    /// Returns the response to the `initialize` request, with the capabilities of the server.
     pub(crate) fn initialize_result(&self) -> InitializeResult {
         InitializeResult {
             capabilities: self.server_capabilities(),

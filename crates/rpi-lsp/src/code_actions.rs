@@ -13,7 +13,8 @@ use crate::capabilities::FIX_ALL;
 use crate::locations::LocationMap;
 use crate::workspace::Workspace;
 
-/// Handles `textDocument/codeAction`.
+/// Handles `textDocument/codeAction`: returns an action for each fix of the diagnostics in the requested range, and one
+/// that applies all sure fixes. Returns `None` if the document is not open.
 pub(crate) fn code_actions(
     world: &mut Workspace,
     params: CodeActionParams,
@@ -61,8 +62,8 @@ fn quick_fix(
     }
 }
 
-/// Returns whether the client requested this kind of action. Kinds are hierarchical: `source` includes
-/// `source.fixAll.rpi`.
+/// Returns whether the client requested an action of this kind; `only` holds the requested kinds, and `None` stands for
+/// all. Kinds are hierarchical: `source` includes `source.fixAll.rpi`.
 fn matches_filter(only: Option<&[CodeActionKind]>, action: &CodeAction) -> bool {
     let kind = action.kind.as_ref().map_or("", |kind| kind.as_str());
     let covers = |wanted: &CodeActionKind| {
@@ -88,7 +89,8 @@ fn workspace_edit(world: &Workspace, places: &LocationMap<'_>, edits: &[Edit]) -
     }
 }
 
-/// Creates edits with document versions. The client rejects them for any other version.
+/// Returns an edit of several files that names the version of each open document. The client rejects the edit if a
+/// document has another version.
 fn versioned_edit(world: &Workspace, files: BTreeMap<PathBuf, Vec<TextEdit>>) -> WorkspaceEdit {
     let edit = |(path, edits): (PathBuf, Vec<TextEdit>)| {
         Some(TextDocumentEdit {

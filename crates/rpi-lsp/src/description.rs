@@ -4,14 +4,14 @@ use rpi_diag::{FileId, Span};
 use rpi_driver::Inspection;
 use rpi_sema::query::{Def, DefKind, FlowType};
 
-/// Description of a definition for hover and completion.
+/// Description of a definition (declaration, kind and documentation), shown by hover and completion.
 #[derive(Clone, PartialEq, Eq, Debug)]
 pub(crate) struct Description {
-    /// Declaration in the syntax of the program's language.
+    /// Declaration of the definition without its body, in the language of the program.
     pub(crate) code: String,
-    /// Kind and presence, in a few words.
+    /// Kind of the definition, such as `in-port`, and whether its value may be absent, in a few words.
     pub(crate) kind: String,
-    /// Documentation of the definition, in Markdown.
+    /// Documentation of the definition in Markdown; empty if there is none.
     pub(crate) doc: String,
 }
 
@@ -29,7 +29,8 @@ impl Description {
     }
 }
 
-/// Describes a definition. `read` is the place of a use, whose type takes precedence.
+/// Returns the description of a definition. `read` is the range of a use of the definition: the type inferred there
+/// takes precedence over that of the declaration.
 pub(crate) fn describe(seen: &Inspection, def: &Def, read: Option<Span>) -> Description {
     let types = types(seen, def, read);
     Description {
@@ -39,7 +40,7 @@ pub(crate) fn describe(seen: &Inspection, def: &Def, read: Option<Span>) -> Desc
     }
 }
 
-/// Returns `name: type` for a value, and kind and name for any other definition.
+/// Returns a one-line summary of a definition: `name: type` for a value, and kind and name for any other definition.
 pub(crate) fn summary(seen: &Inspection, def: &Def) -> String {
     match def.kind.is_declared_value() {
         true => typed_name(seen, def, &types(seen, def, None)),
@@ -91,7 +92,8 @@ fn header(seen: &Inspection, def: &Def) -> String {
     head.unwrap_or_else(|| format!("{} {}", def.kind.description(), def.name))
 }
 
-/// Returns `name: type` with the inferred types (at most three), else with the declared type.
+/// Returns `name: type` for a definition. `types` are the inferred types, of which at most three are shown; if there
+/// are none, the declared type is shown.
 fn typed_name(seen: &Inspection, def: &Def, types: &[FlowType]) -> String {
     let found: Vec<String> = types.iter().take(3).map(FlowType::to_string).collect();
     let written = || def.ty.map(|span| seen.sources.slice(span).to_owned());

@@ -14,7 +14,8 @@ use crate::locations::LocationMap;
 use crate::workspace::Workspace;
 use crate::{builtin_documents, uri};
 
-/// Returns the diagnostics of a program by file. The root file is always included.
+/// Returns the diagnostics of a program in the form of the protocol, by file. The root file of the program is always
+/// included, with an empty list if there are no diagnostics about it.
 pub(crate) fn by_file(
     world: &Workspace,
     seen: &Inspection,
@@ -79,7 +80,8 @@ fn severity(severity: Severity) -> DiagnosticSeverity {
     }
 }
 
-/// Returns the link to the page of a code, with the text that `rpic explain` prints.
+/// Returns the link to the explanation page of a diagnostic code, with the text that `rpic explain` prints; `None` if
+/// the page cannot be written to the cache.
 fn code_description(code: Code) -> Option<CodeDescription> {
     let href = uri::from_path(&builtin_documents::code_page_path(code)?)?;
     Some(CodeDescription { href })

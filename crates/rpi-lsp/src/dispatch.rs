@@ -18,7 +18,7 @@ use crate::{code_actions, completion, formatting, hover, navigation, symbols};
 
 type RequestResult = Result<Value, (ErrorCode, String)>;
 
-/// Row of the request table: method and handler.
+/// Entry of the table of requests: the method name, and the function that handles the request and returns its result.
 type RequestHandler = (&'static str, fn(&mut Workspace, Value) -> RequestResult);
 
 macro_rules! request_handler {
@@ -43,7 +43,8 @@ const REQUESTS: &[RequestHandler] = &[
     request_handler!(request::CodeActionRequest, code_actions::code_actions),
 ];
 
-/// Calls the handler of a request by its method name. Unknown methods are an error of the protocol.
+/// Handles a request: calls the function that the table contains for the method, and returns the result or an error of
+/// the protocol. An unknown method is such an error.
 pub(crate) fn handle_request(world: &mut Workspace, method: &str, params: Value) -> RequestResult {
     match REQUESTS.iter().find(|(known, _)| *known == method) {
         Some((_, answer)) => answer(world, params),
@@ -54,7 +55,8 @@ pub(crate) fn handle_request(world: &mut Workspace, method: &str, params: Value)
     }
 }
 
-/// Row of the notification table: method and handler. The handler returns requests to the client.
+/// Entry of the table of notifications: the method name, and the function that handles the notification. The function
+/// returns requests that the server sends to the client.
 type NotificationHandler = (&'static str, fn(&mut Workspace, Value) -> Vec<Request>);
 
 macro_rules! notification_handler {
@@ -75,7 +77,8 @@ const NOTIFICATIONS: &[NotificationHandler] = &[
     notification_handler!(notification::DidChangeWatchedFiles, files_changed),
 ];
 
-/// Handles a notification. Unknown notifications are ignored. Returns requests to the client.
+/// Handles a notification of the client; an unknown one is ignored. Returns requests that the server sends to the
+/// client.
 pub(crate) fn handle_notification(
     world: &mut Workspace,
     method: &str,
@@ -87,7 +90,8 @@ pub(crate) fn handle_notification(
     }
 }
 
-/// Handles the notification `initialized`: asks the client to watch source files on disk.
+/// Handles the notification `initialized`: returns a request that the client watch source files on disk, if the client
+/// supports it.
 fn initialized(world: &mut Workspace, _: InitializedParams) -> Vec<Request> {
     if !world.client.watches_files {
         return Vec::new();

@@ -7,7 +7,8 @@ use crate::line_index::LineIndex;
 use crate::uri;
 use crate::workspace::Workspace;
 
-/// Handles `textDocument/formatting`. Returns [`None`] if a syntax error prevents formatting.
+/// Handles `textDocument/formatting`: returns the edit that formats the document, empty if it is already formatted.
+/// Returns [`None`] if a syntax error prevents formatting, or if the document is not open.
 pub(crate) fn formatting(
     world: &mut Workspace,
     params: DocumentFormattingParams,
@@ -27,8 +28,8 @@ pub(crate) fn formatting(
     )])
 }
 
-/// Returns the range of differing lines in the old text (start and end in bytes), and its replacement. [`None`] if the
-/// texts are equal.
+/// Compares two texts by lines. Returns the start and end of the differing lines in `old`, in bytes, and the lines of
+/// `new` that replace them; [`None`] if the texts are equal.
 fn changed_lines<'n>(old: &str, new: &'n str) -> Option<(usize, usize, &'n str)> {
     if old == new {
         return None;

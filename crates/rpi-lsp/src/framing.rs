@@ -7,16 +7,17 @@ use std::sync::mpsc::{Receiver, Sender};
 use lsp_server::{ErrorCode, Message, RequestId, Response};
 use serde_json::Value;
 
-/// Received message, or the error response to an invalid one.
+/// Message received from the client, or the error response to a message that is invalid.
 pub(crate) type Received = Result<Message, Value>;
 
-/// Maximum length of a message in bytes.
+/// Maximum length of a message in bytes (256 MiB). A longer message is skipped, so that a wrong length cannot exhaust
+/// the memory.
 const MAX_LENGTH: u64 = 256 << 20;
 
-/// Maximum length of a header line in bytes.
+/// Maximum length of a header line in bytes. A longer line is read in parts of this length.
 const MAX_LINE: u64 = 4096;
 
-/// Reads messages until the end of the input and sends them to the channel.
+/// Reads messages from the client until the end of the input, and sends them to the channel.
 pub(crate) fn read_all(mut input: impl BufRead, to: &Sender<Received>) {
     while let Ok(Some(body)) = read_body(&mut input) {
         if to.send(parse_message(&body)).is_err() {
@@ -25,7 +26,10 @@ pub(crate) fn read_all(mut input: impl BufRead, to: &Sender<Received>) {
     }
 }
 
-/// Writes messages until the channel is closed.
+/// Writes the messages of a channel to the client until the channel is closed.
+///
+/// # Errors
+/// Returns an error if writing fails.
 pub(crate) fn write_all(mut output: impl Write, from: &Receiver<Value>) -> io::Result<()> {
     for message in from {
         let text = message.to_string();
@@ -35,7 +39,7 @@ pub(crate) fn write_all(mut output: impl Write, from: &Receiver<Value>) -> io::R
     Ok(())
 }
 
-/// Returns the body of the next message; [`None`] at the end of the input.
+/// Returns the body of the next message, without its header; [`None`] at the end of the input.
 fn read_body(input: &mut impl BufRead) -> io::Result<Option<Vec<u8>>> {
     let mut length = None;
     loop {
@@ -87,20 +91,21 @@ fn parse_message(body: &[u8]) -> Received {
     }
 }
 
-/// Creates the error response to an invalid message. `id` is null if it is unknown.
+/// Returns the error response to an invalid message as JSON. `id` is the identifier of the message, or null if it is
+/// unknown.
 fn error_response(id: Value, code: ErrorCode, text: &str) -> Value {
     let error = serde_json::json!({ "code": code as i32, "message": text });
     serde_json::json!({ "jsonrpc": "2.0", "id": id, "error": error })
 }
 
-/// Converts a message to JSON, with the protocol version.
+/// Converts a message to JSON, with the field `jsonrpc` that gives the version of the protocol.
 pub(crate) fn to_json(message: impl Into<Message>) -> Value {
     let mut value = serde_json::to_value(message.into()).unwrap_or_default();
     value["jsonrpc"] = Value::from("2.0");
     value
 }
 
-/// Returns the JSON-RPC response to a request of the editor: the result, or an error with code and message.
+/// Returns the JSON-RPC response to the request `id` of the client: the result, or an error with code and message.
 pub(crate) fn response(id: RequestId, result: Result<Value, (ErrorCode, String)>) -> Value {
     to_json(match result {
         Ok(value) => Response::new_ok(id, value),

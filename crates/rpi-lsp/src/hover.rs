@@ -11,7 +11,8 @@ use crate::description::{Description, describe};
 use crate::primitive;
 use crate::workspace::Workspace;
 
-/// Handles `textDocument/hover`.
+/// Handles `textDocument/hover`: returns the description of the name, keyword or expression at a position; `None` if
+/// there is none.
 pub(crate) fn hover(world: &mut Workspace, params: HoverParams) -> Option<Hover> {
     let at = params.text_document_position_params;
     let seen = world.analysis(&at.text_document.uri)?;
@@ -30,10 +31,11 @@ pub(crate) fn hover(world: &mut Workspace, params: HoverParams) -> Option<Hover>
     })
 }
 
-/// Operators spelt as words that can cause a run-time fault.
+/// Operators spelt as words that can raise a fault (run-time error): division, remainder, conversion to an integer.
 const FAULTING_OPERATORS: &[&str] = &["div", "mod", "int"];
 
-/// Returns Markdown text on the possible run-time faults of the operation at a position; empty for a plain name.
+/// Returns a Markdown list of the faults (run-time errors) that the operation at `offset` can raise; empty if there are
+/// none. `described` is the range of the text that the hover describes.
 fn fault_text(seen: &Inspection, described: Span, offset: u32) -> String {
     let all = seen.faults_around(FileId(0), offset);
     let is_operator = FAULTING_OPERATORS.contains(&seen.sources.slice(described));
@@ -47,14 +49,16 @@ fn fault_text(seen: &Inspection, described: Span, offset: u32) -> String {
     }
 }
 
-/// Describes the definition of the name at the offset, if the program declares it.
+/// Returns the range of the name at a byte offset, and the description of its definition; `None` if there is no name
+/// that the program declares.
 fn describe_name(seen: &Inspection, offset: u32) -> Option<(Span, Description)> {
     let name = seen.index().reference_at(FileId(0), offset)?;
     let def = seen.index().def(name.def);
     Some((name.span, describe(seen, def, Some(name.span))))
 }
 
-/// Describes the keyword, primitive or predeclared name at the offset.
+/// Returns the range and the description of the keyword, primitive or predeclared name at a byte offset; `None` if
+/// there is none.
 fn describe_builtin_at(seen: &Inspection, offset: u32) -> Option<(Span, Description)> {
     let text = seen.sources.text(FileId(0));
     let at = offset as usize;
@@ -83,7 +87,7 @@ fn describe_word(seen: &Inspection, word: &str) -> Option<Description> {
     keyword.or_else(|| describe_predeclared(&query::builtin(word)?).into())
 }
 
-/// Returns the hover text of a primitive: its signature and documentation.
+/// Returns the description of a primitive: its signature and its documentation.
 pub(crate) fn describe_primitive(prim: PrimId) -> Description {
     Description {
         code: primitive::signature(prim.desc()),
@@ -92,7 +96,7 @@ pub(crate) fn describe_primitive(prim: PrimId) -> Description {
     }
 }
 
-/// Describes a predeclared flow or operator.
+/// Returns the description of a predeclared flow or operator: its usage and its documentation.
 pub(crate) fn describe_predeclared(builtin: &query::Builtin) -> Description {
     Description {
         code: builtin.usage.clone(),
@@ -101,7 +105,8 @@ pub(crate) fn describe_predeclared(builtin: &query::Builtin) -> Description {
     }
 }
 
-/// Describes the type of the innermost expression around the offset.
+/// Returns the range of the innermost expression around a byte offset, and a description with its type; `None` if there
+/// is none.
 fn describe_expression(seen: &Inspection, offset: u32) -> Option<(Span, Description)> {
     let (span, types) = seen.type_around(FileId(0), offset)?;
     let code: Vec<String> = types.iter().map(FlowType::to_string).collect();

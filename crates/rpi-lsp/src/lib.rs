@@ -44,10 +44,10 @@ use std::io::{self, BufRead, Write};
 use std::sync::mpsc;
 use std::thread;
 
-/// Stack size in bytes of the worker thread. Deeply nested programs need much stack.
+/// Stack size in bytes of the thread that handles messages: 64 MiB. Deeply nested programs need much stack.
 const STACK: usize = 64 << 20;
 
-/// Serves one client until it sends `exit` or closes the stream.
+/// Serves one client over two byte streams until the client sends `exit` or closes the input.
 ///
 /// # Errors
 /// Returns an error if the client disconnects without a `shutdown` request, or if writing fails.

@@ -2,17 +2,17 @@
 
 use lsp_types::{Position, PositionEncodingKind};
 
-/// Position encoding: unit in which the client counts columns.
+/// Unit in which the client counts columns of a line (position encoding of the protocol).
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub(crate) enum Encoding {
-    /// Columns count bytes.
+    /// Columns count bytes of the UTF-8 text.
     Utf8,
-    /// Columns count 16-bit code units: the default, which every client supports.
+    /// Columns count 16-bit code units of UTF-16. This is the default of the protocol, which every client supports.
     Utf16,
 }
 
 impl Encoding {
-    /// Selects UTF-8 if the client supports it, else UTF-16.
+    /// Returns UTF-8 if the client supports it, else UTF-16. `known` lists the encodings that the client supports.
     pub(crate) fn negotiate(known: Option<&[PositionEncodingKind]>) -> Encoding {
         match known.is_some_and(|known| known.contains(&PositionEncodingKind::UTF8)) {
             true => Encoding::Utf8,
@@ -35,14 +35,14 @@ impl Encoding {
     }
 }
 
-/// Start offsets of the lines of a text.
+/// Table of the byte offsets at which the lines of a text start.
 #[derive(Clone, Debug)]
 pub(crate) struct LineIndex {
     starts: Vec<usize>,
 }
 
 impl LineIndex {
-    /// Finds the lines of a text. A line ends with `\n`, `\r\n` or `\r`, as specified by the protocol.
+    /// Creates the table for a text. A line ends with `\n`, `\r\n` or `\r`, as the protocol specifies.
     pub(crate) fn new(text: &str) -> LineIndex {
         let bytes = text.as_bytes();
         let ends = |at: &usize| match bytes[*at] {
@@ -56,7 +56,8 @@ impl LineIndex {
         }
     }
 
-    /// Converts a byte offset to a position. An offset inside a character is moved to its start.
+    /// Converts a byte offset in `text` to a line and a column, both from 0. An offset inside a character counts as the
+    /// start of the character.
     pub(crate) fn position(&self, text: &str, offset: usize, encoding: Encoding) -> Position {
         let offset = text.floor_char_boundary(offset);
         // The first start is 0, so the subtraction cannot underflow.
@@ -68,8 +69,8 @@ impl LineIndex {
         }
     }
 
-    /// Converts a position to a byte offset. A column beyond the line is the end of the line, a line beyond the text is
-    /// the end of the text.
+    /// Converts a line and a column to a byte offset in `text`. A column beyond the end of the line counts as the end
+    /// of the line, and a line beyond the text as the end of the text.
     pub(crate) fn offset(&self, text: &str, position: Position, encoding: Encoding) -> usize {
         let Some(start) = self.starts.get(position.line as usize) else {
             return text.len();

@@ -13,8 +13,8 @@ use crate::builtin_documents;
 use crate::line_index::{Encoding, LineIndex};
 use crate::workspace::Workspace;
 
-/// Converter from byte ranges to positions in the protocol, for the files of one program. Line tables are computed on
-/// first use.
+/// Converter from byte ranges in the files of one program to positions of the protocol. The table of lines of a file is
+/// computed on first use.
 pub(crate) struct LocationMap<'s> {
     analysis: &'s Inspection,
     encoding: Encoding,
@@ -36,7 +36,8 @@ impl<'s> LocationMap<'s> {
         known.entry(file).or_insert_with(lines).clone()
     }
 
-    /// Converts a span to a range; a span without a place becomes the start of the text.
+    /// Converts a range of bytes to a range of lines and columns. The range of an item without source text becomes the
+    /// start of the text.
     pub(crate) fn range(&self, span: Span) -> Range {
         let text = self.analysis.sources.text(span.file);
         let lines = self.lines(span.file);
@@ -44,7 +45,7 @@ impl<'s> LocationMap<'s> {
         Range::new(at(span.start), at(span.end.max(span.start)))
     }
 
-    /// Converts a position in the root file of the program to a byte offset.
+    /// Converts a position in the root file of the program to a byte offset in the file.
     pub(crate) fn offset(&self, position: Position) -> u32 {
         let file = FileId(0);
         let text = self.analysis.sources.text(file);
@@ -52,13 +53,13 @@ impl<'s> LocationMap<'s> {
         u32::try_from(offset).unwrap_or(u32::MAX)
     }
 
-    /// Returns the path of the file of a span; the root file for a span without a place.
+    /// Returns the path of the file that contains a range; the root file for an item without source text.
     pub(crate) fn file(&self, span: Span) -> PathBuf {
         let file = if span.is_none() { FileId(0) } else { span.file };
         builtin_documents::source_path(self.analysis.sources.name(file))
     }
 
-    /// Converts a span to a location; [`None`] if the file has no URI.
+    /// Converts a range to a location (URI, lines and columns); [`None`] if the file has no URI.
     pub(crate) fn location(&self, world: &Workspace, span: Span) -> Option<Location> {
         let uri = world.uri_of(&self.file(span))?;
         let range = self.range(span);

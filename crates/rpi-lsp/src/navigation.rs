@@ -12,7 +12,8 @@ use rpi_sema::query::{DefId, Reference};
 
 use crate::workspace::Workspace;
 
-/// Returns the name at a position with its definition, and the analysis of the document.
+/// Returns the analysis of the document, and the name at a position with its definition. Returns `None` if the document
+/// is not open or there is no name at the position.
 pub(crate) fn name_at(
     world: &mut Workspace,
     at: &TextDocumentPositionParams,
@@ -23,7 +24,8 @@ pub(crate) fn name_at(
     Some((seen, found))
 }
 
-/// Handles `textDocument/definition`: the location of the declaration.
+/// Handles `textDocument/definition`: returns the location of the declaration of the name at a position; `None` if
+/// there is no name.
 pub(crate) fn definition(
     world: &mut Workspace,
     params: GotoDefinitionParams,
@@ -34,7 +36,8 @@ pub(crate) fn definition(
     Some(GotoDefinitionResponse::Scalar(location))
 }
 
-/// Handles `textDocument/references`: all uses of a name, in the programs of all open documents.
+/// Handles `textDocument/references`: returns the locations of all uses of the name at a position, in the programs of
+/// all open documents; `None` if there is no name.
 pub(crate) fn references(world: &mut Workspace, params: ReferenceParams) -> Option<Vec<Location>> {
     let (seen, name) = name_at(world, &params.text_document_position)?;
     let own = seen.index().def(name.def).span;
@@ -61,7 +64,8 @@ pub(crate) fn references(world: &mut Workspace, params: ReferenceParams) -> Opti
     Some(found)
 }
 
-/// Handles `textDocument/documentHighlight`: all uses of a name in the document.
+/// Handles `textDocument/documentHighlight`: returns all uses of the name at a position within the document; `None` if
+/// there is no name.
 pub(crate) fn highlights(
     world: &mut Workspace,
     params: DocumentHighlightParams,

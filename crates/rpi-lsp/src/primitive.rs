@@ -2,7 +2,8 @@
 
 use rpi_image::{Fallback, InPort, Param, ParamType, PortType, PrimDesc};
 
-/// Returns the declaration of a primitive in source syntax.
+/// Returns the declaration of a primitive in the syntax of the language: name, static parameters, in-ports and
+/// out-ports.
 pub(crate) fn signature(desc: &PrimDesc) -> String {
     let fallbacks = desc.inputs.iter().filter_map(fallback_param);
     let statics: Vec<String> = fallbacks.chain(desc.params.iter().map(param)).collect();
@@ -20,7 +21,8 @@ pub(crate) fn signature(desc: &PrimDesc) -> String {
     )
 }
 
-/// Returns the documentation of a primitive, without the leading space that doc comments keep on each line.
+/// Returns the documentation of a primitive, without the space at the start of each line that the Rust doc comment
+/// contains.
 pub(crate) fn doc(desc: &PrimDesc) -> String {
     let lines = desc.doc.trim().lines();
     let lines: Vec<&str> = lines
@@ -29,7 +31,8 @@ pub(crate) fn doc(desc: &PrimDesc) -> String {
     lines.join("\n")
 }
 
-/// Returns the static parameter that replaces an unconnected in-port, if the port has one.
+/// Returns the declaration `name: type` of the static parameter that replaces an unconnected in-port; `None` if no
+/// parameter does.
 fn fallback_param(port: &InPort) -> Option<String> {
     match port.fallback {
         Fallback::Param(name, _) => Some(format!("{name}: {}", port_type(port.ty))),

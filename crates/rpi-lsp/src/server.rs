@@ -16,16 +16,18 @@ use crate::workspace::Workspace;
 
 /// Lifecycle phase of the server.
 enum Phase {
-    /// State before the `initialize` request.
+    /// The server waits for the `initialize` request and rejects all other requests.
     Uninitialized,
-    /// State between `initialize` and `shutdown`, with the open documents.
+    /// The server handles requests for the open documents, from `initialize` to `shutdown`.
     Running(Box<Workspace>),
-    /// State after the `shutdown` request, in which only `exit` is accepted.
+    /// The server has received the `shutdown` request and accepts only the notification `exit`.
     ShutDown,
 }
 
-/// Runs the main loop until the client sends `exit` or disconnects. Returns an error if there was no `shutdown` request
-/// before.
+/// Handles messages until the client sends `exit` or disconnects.
+///
+/// # Errors
+/// Returns an error if the client has sent no `shutdown` request before.
 pub(crate) fn run(inbox: &Receiver<Received>, outbox: Sender<Value>) -> Result<(), &'static str> {
     let mut server = Server {
         phase: Phase::Uninitialized,
@@ -49,7 +51,8 @@ pub(crate) fn run(inbox: &Receiver<Received>, outbox: Sender<Value>) -> Result<(
     }
 }
 
-/// Waits for the next message, at most until `due`.
+/// Returns the next message from the client. Waits at most until `due`, the time of the next analysis; returns a
+/// timeout error then.
 fn next_message(
     inbox: &Receiver<Received>,
     due: Option<Instant>,
@@ -149,8 +152,8 @@ impl Server {
     }
 }
 
-/// Runs `work` and returns `None` if it panics, so that a bug costs one request and not the session. The panic message
-/// has been printed.
+/// Runs `work` and returns its result, or `None` if it panics, so that a bug ends one request and not the server. The
+/// panic message has been printed to standard error.
 fn catch_panic<T>(work: impl FnOnce() -> T) -> Option<T> {
     catch_unwind(AssertUnwindSafe(work)).ok()
 }

@@ -9,7 +9,8 @@ use rpi_sema::query::{Def, DefId, DefKind};
 use crate::locations::LocationMap;
 use crate::workspace::Workspace;
 
-/// Symbol kinds of the protocol, by kind of definition. Other definitions are not part of the outline.
+/// Kinds of definitions in the outline of a document, each with its symbol kind in the protocol. Definitions of other
+/// kinds are not part of the outline.
 const SYMBOL_KINDS: &[(DefKind, SymbolKind)] = &[
     (DefKind::Const, SymbolKind::CONSTANT),
     (DefKind::Type, SymbolKind::STRUCT),
@@ -32,7 +33,8 @@ const SYMBOL_KINDS: &[(DefKind, SymbolKind)] = &[
     (DefKind::State, SymbolKind::MODULE),
 ];
 
-/// Handles `textDocument/documentSymbol`.
+/// Handles `textDocument/documentSymbol`: returns the outline of a document, as a tree of its declarations; `None` if
+/// the document is not open.
 pub(crate) fn symbols(
     world: &mut Workspace,
     params: DocumentSymbolParams,
@@ -56,7 +58,7 @@ pub(crate) fn symbols(
 
 struct Outline<'s> {
     places: LocationMap<'s>,
-    /// For each definition, those nested directly in it; `None` is the top level.
+    /// For each definition, the definitions nested directly in it; for `None`, the declarations at the top level.
     children: BTreeMap<Option<DefId>, Vec<(DefId, &'s Def)>>,
 }
 

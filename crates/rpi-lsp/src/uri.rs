@@ -4,7 +4,8 @@ use std::path::{Path, PathBuf};
 
 use lsp_types::Uri;
 
-/// Returns the path of a `file:` URI. Any other URI, such as that of an unsaved document, is used as a path unchanged.
+/// Returns the path of a `file:` URI. The text of any other URI, such as that of an unsaved document, is used as the
+/// path.
 pub(crate) fn to_path(uri: &Uri) -> PathBuf {
     let text = uri.as_str();
     match text.strip_prefix("file://").and_then(local_path) {
@@ -13,7 +14,8 @@ pub(crate) fn to_path(uri: &Uri) -> PathBuf {
     }
 }
 
-/// Returns the decoded path after the host; a Windows path without its leading slash.
+/// Returns the decoded path in a URI. `rest` is the URI without `file://`; a host before the path is ignored. A Windows
+/// path has no leading slash. Returns `None` if the path is not valid.
 fn local_path(rest: &str) -> Option<String> {
     // A host, as in `file://localhost/a`, is ignored.
     let path = percent_decode(&rest[rest.find('/')?..])?;
@@ -26,7 +28,7 @@ fn local_path(rest: &str) -> Option<String> {
     })
 }
 
-/// Resolves percent-encoding. Returns [`None`] if the result is not UTF-8.
+/// Returns a text with its percent-encoded bytes decoded; [`None`] if the result is not UTF-8.
 fn percent_decode(text: &str) -> Option<String> {
     let mut bytes = Vec::with_capacity(text.len());
     let mut rest = text.as_bytes();
@@ -42,7 +44,7 @@ fn percent_decode(text: &str) -> Option<String> {
     String::from_utf8(bytes).ok()
 }
 
-/// Returns the `file:` URI of a path; [`None`] for a relative path.
+/// Returns the `file:` URI of an absolute path; [`None`] for a relative path or one that is not UTF-8.
 pub(crate) fn from_path(path: &Path) -> Option<Uri> {
     let text = path.to_str()?.replace('\\', "/");
     let has_drive = text.as_bytes().get(1) == Some(&b':');
@@ -51,7 +53,7 @@ pub(crate) fn from_path(path: &Path) -> Option<Uri> {
     is_absolute.then(|| format!("{start}{}", percent_encode(&text)).parse().ok())?
 }
 
-/// Percent-encodes all characters of a path that are not unreserved (RFC 3986), except `/`.
+/// Returns a path with all characters percent-encoded except `/` and the unreserved characters of RFC 3986.
 fn percent_encode(path: &str) -> String {
     let mut out = String::with_capacity(path.len());
     for byte in path.bytes() {

@@ -16,10 +16,10 @@ use crate::line_index::LineIndex;
 use crate::locations::LocationMap;
 use crate::{diagnostics, uri};
 
-/// Longest pause in typing that the server waits for before it analyses a document.
+/// Maximum pause in typing for which the server waits before it analyses a document: 200 ms.
 const MAX_PAUSE: Duration = Duration::from_millis(200);
 
-/// Maximum time from a change to its analysis if the user never pauses.
+/// Maximum time from a change to its analysis if the user types without a pause: 500 ms.
 const MAX_DELAY: Duration = Duration::from_millis(500);
 
 /// Document that is open in the editor, with its unsaved text.
@@ -28,13 +28,14 @@ pub(crate) struct Document {
     pub(crate) uri: Uri,
     pub(crate) version: i32,
     pub(crate) text: String,
-    /// Result of the last analysis; `None` before the first.
+    /// Result of the last analysis of the document; `None` before the first one.
     analysis: Option<Rc<Inspection>>,
-    /// Due time of the next analysis, and the time of the first change since the last one.
+    /// Time at which the next analysis is due, and time of the first change since the last analysis; `None` if the last
+    /// analysis is of the current text.
     due: Option<(Instant, Instant)>,
-    /// Duration of the last analysis.
+    /// Duration of the last analysis. The next one waits for a pause in typing of this length.
     analysis_time: Duration,
-    /// Diagnostics of the last analysis, by file.
+    /// Diagnostics of the last analysis, by the path of the file that they are about.
     diagnostics: BTreeMap<PathBuf, Vec<Diagnostic>>,
 }
 
@@ -51,7 +52,8 @@ impl Document {
         }
     }
 
-    /// Schedules an analysis after a pause in typing as long as the last analysis took, within the limits.
+    /// Schedules an analysis after a pause in typing that is as long as the last analysis took, but at most
+    /// [`MAX_PAUSE`] long and at most [`MAX_DELAY`] after the first change.
     fn schedule(&mut self, now: Instant) {
         let since = self.due.map_or(now, |(_, since)| since);
         // The slower the analysis, the longer the pause: fast typing then never queues up analyses.
@@ -59,7 +61,7 @@ impl Document {
         self.due = Some(((now + pause).min(since + MAX_DELAY), since));
     }
 
-    /// Returns whether the program of the document includes the file.
+    /// Returns whether the program of the document includes the file, according to the last analysis.
     fn includes_file(&self, path: &Path) -> bool {
         let names = |seen: &Rc<Inspection>| {
             let mut files = seen.sources.files();
@@ -69,7 +71,8 @@ impl Document {
     }
 }
 
-/// All diagnostics of one file, as the editor receives them. An empty list clears the earlier ones.
+/// All diagnostics about one file, as the editor receives them. They replace the earlier ones; an empty list clears
+/// them.
 pub(crate) struct FileDiagnostics {
     pub(crate) uri: Uri,
     pub(crate) version: Option<i32>,
@@ -80,13 +83,14 @@ pub(crate) struct FileDiagnostics {
 pub(crate) struct Workspace {
     pub(crate) client: ClientFeatures,
     documents: BTreeMap<PathBuf, Document>,
-    /// Diagnostics of a file that the client has not received yet.
+    /// Diagnostics of files that the client has not received so far, in the order of the analyses.
     unpublished: Vec<FileDiagnostics>,
-    /// Version and diagnostics last published for each file. Unchanged diagnostics are not published again.
+    /// Document version and diagnostics that were last published for each file. Unchanged diagnostics are not published
+    /// again.
     last_published: BTreeMap<PathBuf, (Option<i32>, Vec<Diagnostic>)>,
 }
 
-/// File loader that returns open documents as in the editor, and other files from disk.
+/// File loader that returns the text in the editor for open documents, and the text on disk for other files.
 struct Overlay<'w>(&'w BTreeMap<PathBuf, Document>);
 
 impl FileLoader for Overlay<'_> {
@@ -116,7 +120,8 @@ impl Workspace {
         self.files_changed();
     }
 
-    /// Applies changes to a document. Each change refers to the text after the previous one.
+    /// Applies changes of the client to a document and schedules its analysis. Each change refers to the text after the
+    /// previous change; a change without a range replaces the whole text.
     pub(crate) fn change(
         &mut self,
         uri: &Uri,
@@ -151,7 +156,7 @@ impl Workspace {
         }
     }
 
-    /// Schedules the analysis of all documents that use a changed file.
+    /// Schedules the analysis of all open documents whose program includes the file `path`.
     pub(crate) fn file_changed(&mut self, path: &Path) {
         let now = Instant::now();
         for (own, document) in &mut self.documents {
@@ -161,7 +166,7 @@ impl Workspace {
         }
     }
 
-    /// Schedules the analysis of all documents. Called after files on disk were created, deleted or changed.
+    /// Schedules the analysis of all open documents, because files on disk have been created, deleted or changed.
     pub(crate) fn files_changed(&mut self) {
         let now = Instant::now();
         self.documents
@@ -173,14 +178,14 @@ impl Workspace {
         self.documents.get(&uri::to_path(uri))
     }
 
-    /// Returns the URIs of the documents that the editor has open, whose text comes from the editor and not from the
-    /// file.
+    /// Returns the URIs of all documents that are open in the editor.
     pub(crate) fn open_documents(&self) -> Vec<Uri> {
         let documents = self.documents.values();
         documents.map(|document| document.uri.clone()).collect()
     }
 
-    /// Returns the URI of a file: the one that the client uses, if the file is open.
+    /// Returns the URI of a file: for an open document the URI that the client uses, else one made from the path.
+    /// Returns `None` for a relative path of a file that is not open.
     pub(crate) fn uri_of(&self, path: &Path) -> Option<Uri> {
         match self.documents.get(path) {
             Some(document) => Some(document.uri.clone()),
@@ -188,12 +193,13 @@ impl Workspace {
         }
     }
 
-    /// Returns the version of a file, if it is open.
+    /// Returns the version of the open document at `path`; `None` if it is not open.
     pub(crate) fn version_of(&self, path: &Path) -> Option<i32> {
         self.documents.get(path).map(|document| document.version)
     }
 
-    /// Returns the analysis of the current text of an open document. Analyses it if it has changed.
+    /// Returns the analysis of the current text of a document, which is computed if the text has changed since the last
+    /// analysis. Returns `None` if the document is not open.
     pub(crate) fn analysis(&mut self, uri: &Uri) -> Option<Rc<Inspection>> {
         let path = uri::to_path(uri);
         if self.documents.get(&path)?.due.is_some() {
@@ -202,13 +208,13 @@ impl Workspace {
         self.documents.get(&path)?.analysis.clone()
     }
 
-    /// Returns the due time of the next analysis.
+    /// Returns the earliest time at which the analysis of a document is due; `None` if no analysis is scheduled.
     pub(crate) fn next_due(&self) -> Option<Instant> {
         let dues = self.documents.values().filter_map(|document| document.due);
         dues.map(|(due, _)| due).min()
     }
 
-    /// Analyses every document whose analysis is due.
+    /// Analyses every open document whose analysis is due now.
     pub(crate) fn analyse_due(&mut self) {
         let now = Instant::now();
         let is_due = |document: &Document| document.due.is_some_and(|(due, _)| due <= now);
@@ -247,7 +253,8 @@ impl Workspace {
         files.iter().for_each(|file| self.collect_diagnostics(file));
     }
 
-    /// Collects the diagnostics about a file from all programs, for publication.
+    /// Collects the diagnostics about a file from the programs of all open documents for publication, unless they are
+    /// the same as those last published.
     fn collect_diagnostics(&mut self, file: &Path) {
         let mut diagnostics: Vec<Diagnostic> = Vec::new();
         for found in self
@@ -276,12 +283,12 @@ impl Workspace {
         }
     }
 
-    /// Returns the diagnostics to be published since the last call.
+    /// Returns the diagnostics to publish, and removes them from the list of unpublished ones.
     pub(crate) fn take_unpublished(&mut self) -> Vec<FileDiagnostics> {
         std::mem::take(&mut self.unpublished)
     }
 
-    /// Creates a span converter for a program, in the position encoding of the client.
+    /// Returns a converter from byte ranges in the files of a program to positions in the encoding of the client.
     pub(crate) fn locations<'s>(&self, seen: &'s Inspection) -> LocationMap<'s> {
         LocationMap::new(seen, self.client.encoding)
     }

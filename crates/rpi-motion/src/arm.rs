@@ -14,8 +14,8 @@ pub struct Arm {
 }
 
 impl Arm {
-    /// Creates an arm of a model with a tool (the tool frame in the flange frame) and the limits of its axes. Missing
-    /// limits are those of the model.
+    /// Creates an arm from its model, the pose of the tool in the flange frame, and the limits of its axes. Axes
+    /// without an entry in `limits` have the limits of the model.
     #[must_use]
     pub fn new(model: &'static ArmModel, tool: Pose, limits: &[AxisLimits]) -> Self {
         let mut own = [AxisLimits::from_radians(0.0, 0.0, 0.0); MAX_AXES];
@@ -31,33 +31,35 @@ impl Arm {
         }
     }
 
-    /// Returns the number of axes.
+    /// Returns the number of axes of the arm.
     #[must_use]
     pub fn axes(&self) -> usize {
         self.model.axes()
     }
 
-    /// Returns the limits of the axes.
+    /// Returns the limits of position, velocity, acceleration and jerk, one entry per axis.
     #[must_use]
     pub fn limits(&self) -> &[AxisLimits] {
         &self.limits[..self.axes()]
     }
 
-    /// Returns the pose of the tool in the base frame.
+    /// Returns the pose of the tool in the base frame for joint positions in rad (m for a linear axis).
     #[must_use]
     pub fn forward(&self, joints: &Joints) -> Pose {
         self.model.forward(&joints[..self.axes()]) * self.tool
     }
 
-    /// Returns the arm angle of joints of a redundant arm, rad; `None` for other arms.
+    /// Returns the arm angle of a redundant arm at these joint positions (rad): the angle of the elbow about the line
+    /// from shoulder to wrist, rad. `None` for other arms.
     #[must_use]
     pub fn arm_angle(&self, joints: &Joints) -> Option<f64> {
         self.model.arm_angle(&joints[..self.axes()])
     }
 
-    /// Returns the arm angle (rad) of a redundant arm for a pose of the tool in the base frame at which axis 3 has the value
-    /// `third` (rad) or half a turn more: the one nearest to that of the joints `hint`, moved by full turns to the
-    /// value nearest to `near` (rad). `None` for other arms, and where there is none.
+    /// Returns the arm angle (position of the elbow, rad) of a redundant arm at which axis 3 has the value `third`
+    /// (rad) or half a turn more, for a pose of the tool in the base frame. Of several, the one nearest to the arm
+    /// angle of the joint positions `hint` is taken, and moved by full turns to the value nearest to `near` (rad).
+    /// `None` for other arms, and if there is no such arm angle.
     #[must_use]
     pub fn arm_angle_of_third_axis(
         &self,
@@ -75,8 +77,10 @@ impl Arm {
         Some(nearest_turn(nearest, near))
     }
 
-    /// As [`inverse`](Self::inverse), with the arm angle `arm_angle` (rad) at which axis 3 has the value `third` (rad): it
-    /// gets exactly this value, also where axes 1 and 3 are in line.
+    /// Returns the joint positions (rad) for a pose of the tool in the base frame, nearest to `hint` (rad). `arm_angle`
+    /// (rad) is the arm angle at which axis 3 has the value `third` (rad); axis 3 gets exactly this value, also where
+    /// axes 1 and 3 are in line. The second value of the result is the change of the arm angle that the ranges of the
+    /// axes demand, rad.
     ///
     /// # Errors
     /// Any [`InverseKinematicsError`].
@@ -96,9 +100,9 @@ impl Arm {
         Ok((exact.unwrap_or(joints), change))
     }
 
-    /// Returns the joints for a pose of the tool in the base frame: those nearest to `hint`, with the arm angle
-    /// `arm_angle` (rad) where the arm is redundant, or with the nearest one within the ranges of the axes. The second
-    /// value is the change of the arm angle, rad.
+    /// Returns the joint positions (rad) for a pose of the tool in the base frame, nearest to `hint` (rad). A redundant
+    /// arm gets the arm angle `arm_angle` (position of the elbow, rad), or the nearest one with joints within the
+    /// ranges. The second value of the result is the change of the arm angle, rad.
     ///
     /// # Errors
     /// Any [`InverseKinematicsError`].
@@ -115,22 +119,23 @@ impl Arm {
     }
 }
 
-/// Greatest difference of axis 3 from its value that counts as rounding next to an upright upper arm, rad.
+/// Maximum difference of axis 3 from its intended value that counts as rounding where the upper arm is nearly upright,
+/// rad. There, small errors of the pose change axis 3 a lot.
 const ROUNDING: f64 = 1e-3;
 
-/// Position (rad), velocity (rad/s) and acceleration (rad/s²) of all axes.
+/// Position, velocity and acceleration of all axes, in rad and s (m and s for a linear axis).
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct JointState {
-    /// Positions, rad.
+    /// Positions of all axes, rad.
     pub position: Joints,
-    /// Velocities, rad/s.
+    /// Velocities of all axes, rad/s.
     pub velocity: Joints,
-    /// Accelerations, rad/s².
+    /// Accelerations of all axes, rad/s².
     pub acceleration: Joints,
 }
 
 impl JointState {
-    /// Creates the state of an arm at rest.
+    /// Creates the state of an arm at rest at these joint positions (rad).
     #[must_use]
     pub fn at_rest(position: Joints) -> Self {
         Self {
@@ -139,17 +144,18 @@ impl JointState {
         }
     }
 
-    /// Returns whether all positions, velocities and accelerations are finite.
+    /// Returns true if all positions, velocities and accelerations are finite.
     #[must_use]
     pub fn is_finite(&self) -> bool {
         let parts = [&self.position, &self.velocity, &self.acceleration];
         parts.into_iter().flatten().all(|value| value.is_finite())
     }
 
-    /// Returns the state on the parabola through the last three set-points: `position`, with the first and second
-    /// backward differences over `period` (s). A backward difference lags behind the derivative; this corrects the lag.
-    /// Bounds that hold for the derivatives of a curve which continues the parabola hold for the differences, too,
-    /// because a difference of order k is a weighted mean of the k-th derivative (Peano kernel).
+    /// Returns the state on the parabola through the last three set-points. `position` is the last one; `velocity` and
+    /// `acceleration` are the first and second backward differences over `period` (s). A backward difference lags
+    /// behind the derivative, which is corrected. Bounds that hold for the derivatives of a curve which continues the
+    /// parabola hold for the differences, too, because a difference of order k is a weighted mean of the k-th
+    /// derivative (Peano kernel).
     #[must_use]
     pub fn from_differences(
         position: Joints,

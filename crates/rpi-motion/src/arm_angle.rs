@@ -10,15 +10,15 @@
 
 use crate::held_axis::HeldAxis;
 
-/// Number of moves of the arm angle that one path may have.
+/// Maximum number of changes of the arm angle on one path.
 const MOVES: usize = 32;
 
-/// Smooth change of the arm angle of a redundant arm, on a stretch of the path.
+/// Smooth change of the arm angle (position of the elbow of a redundant arm) on a stretch of the path.
 #[derive(Clone, Copy, Debug, Default)]
 struct Move {
-    /// Path parameter at the start.
+    /// Position along the path (path parameter) at which the change begins, m.
     from: f64,
-    /// Length of the stretch.
+    /// Length of the path on which the arm angle changes, m.
     length: f64,
     /// Change of the arm angle, rad.
     change: f64,
@@ -30,13 +30,14 @@ impl Move {
     }
 }
 
-/// The polynomial from 0 (below 0) to 1 (above 1) whose first three derivatives are 0 at both ends.
+/// Returns the polynomial of `share` that rises from 0 (at 0 and below) to 1 (at 1 and above) and whose first three
+/// derivatives are 0 at both ends.
 pub(crate) fn smooth_step(share: f64) -> f64 {
     let u = share.clamp(0.0, 1.0);
     u * u * u * u * (35.0 - u * (84.0 - u * (70.0 - 20.0 * u)))
 }
 
-/// The arm angle as a function of the path parameter.
+/// Arm angle (position of the elbow of a redundant arm) as a function of the position along the path.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct ArmAngle {
     start: f64,
@@ -46,7 +47,7 @@ pub struct ArmAngle {
 }
 
 impl ArmAngle {
-    /// The constant arm angle `start`, rad.
+    /// Creates the constant arm angle `start`, rad.
     #[must_use]
     pub fn constant(start: f64) -> Self {
         Self {
@@ -55,8 +56,8 @@ impl ArmAngle {
         }
     }
 
-    /// Returns the arm angle at a value of the path parameter, rad. `of_third` gives the arm angle (rad) there at which
-    /// axis 3 has a value (rad), near to another arm angle.
+    /// Returns the arm angle (rad) at the position `s` (m) along the path. `of_third` returns the arm angle (rad) at
+    /// this position for a value of axis 3 (rad), near to another arm angle (rad).
     #[must_use]
     pub fn at(&self, s: f64, of_third: impl FnOnce(f64, f64) -> Option<f64>) -> f64 {
         let begun = self.moves[..self.count]
@@ -73,7 +74,8 @@ impl ArmAngle {
         })
     }
 
-    /// Returns the value that axis 3 has at a value of the path parameter, rad, if it is held there.
+    /// Returns the value (rad) at which axis 3 is held at the position `s` (m) along the path; `None` if the arm angle
+    /// determines axis 3 there.
     #[must_use]
     pub fn held_third_axis(&self, s: f64) -> Option<f64> {
         let is_moved = self.count > 0 && self.moves[0].from < s;
@@ -81,18 +83,19 @@ impl ArmAngle {
         (!is_moved).then(|| held.third())
     }
 
-    /// Holds axis 3 at `third` (rad) from the start of the path on.
+    /// Holds axis 3 at `third` (rad) from the start of the path on, instead of the arm angle.
     pub fn hold_axis(&mut self, third: f64) {
         self.held = Some(HeldAxis::new(third));
     }
 
-    /// Whether axis 3 is held at the end of what is known.
+    /// Returns true if axis 3 is held at its value without a known end.
     #[must_use]
     pub fn holds_axis(&self) -> bool {
         self.held.is_some_and(|held| held.is_open())
     }
 
-    /// Passes over, between two values of the path parameter, to the held arm angle `angle` (rad), which includes all moves.
+    /// Ends the holding of axis 3: between the positions `from` and `to` (m) along the path, the arm passes over to the
+    /// arm angle `angle` (rad), in which all changes added so far are included.
     pub fn release_axis(&mut self, from: f64, to: f64, angle: f64) {
         let Some(held) = &mut self.held else { return };
         held.end((from, to));
@@ -100,15 +103,15 @@ impl ArmAngle {
         self.start = angle - moves.map(|one| one.change).sum::<f64>();
     }
 
-    /// Returns the end of the last move: a new one may begin there.
+    /// Returns the position along the path (m) at which the last change ends and a new one may begin.
     #[must_use]
     pub fn end(&self) -> f64 {
         let last = self.count.checked_sub(1).map(|k| self.moves[k]);
         last.map_or(f64::NEG_INFINITY, |one| one.from + one.length)
     }
 
-    /// Adds a change (rad) between two values of the path parameter, both behind the last move. Returns false if there
-    /// are too many, or the stretch has no length.
+    /// Adds a change of the arm angle by `change` (rad) between two positions along the path (m), both behind the last
+    /// change. Returns false if there are too many changes, or if `to` is not greater than `from`.
     pub fn add(&mut self, from: f64, to: f64, change: f64) -> bool {
         let Some(slot) = self.moves.get_mut(self.count) else {
             return false;

@@ -8,34 +8,37 @@ use crate::speed_limit::{SpeedLimit, slower};
 use crate::{Arm, Joints};
 use rpi_kin::state_to_rest::Bounds;
 
-/// Result of checking a path: its end, its slowest place and the size of the check.
+/// Result of checking a path: the end of the path, its slowest place and the size of the check.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct PathReport {
-    /// Joints at the end of the path, rad.
+    /// Joint positions at the end of the path, rad.
     pub end: Joints,
     /// Place at which the path is followed most slowly; `None` if the requested speed is possible everywhere.
     pub limit: Option<SpeedLimit>,
-    /// Number of places at which the derivatives of the joints were computed.
+    /// Number of places on the path at which the derivatives of the joint positions were computed.
     pub nodes: usize,
 }
 
-/// Number of steps in which [`scan_path`] looks at a path where nothing is in the way, and places that it looks at in all.
+/// Number of steps in which [`scan_path`] checks a path on which no step fails.
 const STEPS: f64 = 32.0;
+/// Maximum number of inverse kinematics that [`scan_path`] computes.
 const PLACES: usize = 80;
 
-/// Distance (m) of two places that are next to each other: what fails between them is an error.
+/// Distance along the path (m) below which two places are next to each other, so that a failure between them is an
+/// error and not a reason for a shorter step.
 const ADJACENT: f64 = 1e-5;
 
-/// Change of an axis between two places that may be another configuration, and is one if they are next to each other; rad.
+/// Change of an axis between two places, rad, above which the arm may be in another configuration. If the places are
+/// next to each other, it is.
 const JUMP: f64 = 0.3;
 
-/// Looks at a few places of a path before anything moves: whether the inverse kinematics has a solution there, whether
-/// an arm of six axes stays in its configuration between them, and whether the end of a joint line lies within the
-/// ranges. For the cycle: at most 80 inverses, about 100 µs. A singularity, or a gap between the places, is found only
-/// by [`check_path`], or on the way.
+/// Checks a few places of a path before the arm moves: whether the inverse kinematics has a solution there, whether a
+/// six-axis arm stays in its configuration between them, and whether the end of a line in joint space lies within the
+/// ranges. `start` are the joint positions (rad) at the start. For the cycle: at most 80 inverse kinematics, about 100
+/// µs. A singularity, or a gap between the checked places, is found only by [`check_path`], or by the motion itself.
 ///
 /// # Errors
-/// The first place that the arm cannot pass, as far as this shows it.
+/// The first place found that the arm cannot pass.
 pub fn scan_path(arm: &Arm, path: &Path, start: &Joints) -> Result<(), PathError> {
     let length = path.length();
     if let Path::Joints(line) = path {
@@ -59,8 +62,8 @@ pub fn scan_path(arm: &Arm, path: &Path, start: &Joints) -> Result<(), PathError
     Ok(())
 }
 
-/// Steps to a place from joints: a large change of an axis is an error. Not so where the arm is redundant: by another arm
-/// angle, it may keep its configuration.
+/// Returns the joint positions (rad) at the place `s` of the path, near to `from` (rad). A large change of an axis is
+/// an error, except for a redundant arm, which may keep its configuration by another arm angle.
 fn step_to(arm: &Arm, path: &JointPath, s: f64, from: &Joints) -> Result<Joints, PathError> {
     let joints = path.solution_at(arm, s, from)?;
     let jumps = |axis: &usize| libm::fabs(joints[*axis] - from[*axis]) > JUMP;
@@ -74,7 +77,7 @@ fn step_to(arm: &Arm, path: &JointPath, s: f64, from: &Joints) -> Result<Joints,
 }
 
 /// Checks that all axes end within their ranges, or no farther out than they start. The error names the first axis that
-/// does not.
+/// does not, at the place `length`, the end of the path.
 fn check_ranges(arm: &Arm, end: &Joints, start: &Joints, length: f64) -> Result<(), PathError> {
     for (axis, limits) in arm.limits().iter().enumerate() {
         let range = limits.position;
@@ -89,8 +92,9 @@ fn check_ranges(arm: &Arm, end: &Joints, start: &Joints, length: f64) -> Result<
     Ok(())
 }
 
-/// Follows a path from its start to its end: reach, ranges, configuration and singular places. `start` are joints at
-/// its start, or near to them. Not for the cycle: it takes about 4 µs a node, 500 to 4 000 nodes a metre; allocates.
+/// Follows a path from its start to its end and checks reach, ranges, configuration and singularities. `start` are
+/// joint positions (rad) at its start, or near to them; `requested` are the bounds of the tool along the path. Not for
+/// the cycle: it takes about 4 µs for each of 500 to 4 000 places per metre, and allocates.
 ///
 /// # Errors
 /// The first place that the arm cannot pass.

@@ -9,20 +9,22 @@ use crate::tool_residual::ToolResidual;
 use crate::{Arm, JointState, Joints};
 use rpi_kin::MAX_AXES;
 
-/// Path, time law and residuals of a motion: what gives its set-points as long as nothing new is planned.
+/// Path, time law and residuals (decaying differences between arm and path) of a motion. They determine its set-points
+/// until a new time law is planned.
 #[derive(Clone, Debug)]
 pub(crate) struct Course {
     pub table: NodeTable,
     pub residual: Residual,
-    /// Residual of the tool, in place of that of the axes.
+    /// Residual of the tool while the tool approaches the path as a whole; `None` if each axis approaches it on its
+    /// own.
     pub tool: Option<ToolResidual>,
     pub held: HeldBrake,
-    /// Joints of the inverse in the last cycle: the hint of the next one.
+    /// Joint positions (rad) that the inverse kinematics gave for the last set-point: the hint for the next one.
     pub hint: Joints,
 }
 
 impl Course {
-    /// Creates the course of an arm that stands. Allocates.
+    /// Creates the course of an arm at rest, with memory for `nodes` places of a path. Allocates.
     pub(crate) fn new(nodes: usize) -> Self {
         Self {
             table: NodeTable::with_capacity(nodes),
@@ -37,7 +39,7 @@ impl Course {
         self.table.path()
     }
 
-    /// Stands at the start of the path, without a residual.
+    /// Puts the motion at rest at the start of its path, without residuals. `hint` are the joint positions there, rad.
     pub(crate) fn stand(&mut self, hint: Joints) {
         self.held = HeldBrake::standing(0.0, 0.0);
         self.residual = Residual::default();
@@ -45,35 +47,73 @@ impl Course {
         self.hint = hint;
     }
 
-    /// Returns the time at which the arm is on the path, s.
+    /// Returns the time of the motion (s) from which the arm is on the path: all residuals have decayed.
     pub(crate) fn residual_end(&self) -> f64 {
         let tool = self.tool.map_or(0.0, |tool| tool.end());
         self.residual.end().max(tool)
     }
 
-    /// Returns the joints at a time of the motion, near to `hint`, and those of the inverse: without the residual of the
-    /// axes.
+    /// Returns the joint positions (rad) at a time of the motion (s), near to `hint`, and those of the inverse
+    /// kinematics alone, without the residual of the axes.
     pub(crate) fn joints_at(
         &self,
         arm: &Arm,
         time: f64,
         hint: &Joints,
     ) -> Result<(Joints, Joints), MotionError> {
-        let s = self.held.state_at(time).s;
-        let tool = self.tool.filter(|tool| time < tool.end());
-        let displaced = tool.zip(self.tool_pose(s));
-        let on_path = match displaced {
-            Some((tool, pose)) => {
-                let (pose, angle) = (tool.displaced(&pose, time), tool.arm_angle_at(time));
-                let path = self.table.joint_path();
-                path.displaced_joints(arm, s, &pose, angle, hint)
-                    .ok_or(MotionError::NotFinite)?
-            }
-            None => self.table.joints_at(arm, s, hint)?,
-        };
+        let on_path = self.inverse_near(arm, time, 0.0, hint)?;
         let mut joints = on_path;
         self.residual.add_to(&mut joints, time);
         Ok((joints, on_path))
+    }
+
+    /// Returns the state of the axes at a time of the motion (s), near to the joint positions `hint` (rad).
+    ///
+    /// Velocity and acceleration are derivatives of the time law and of the residuals. Only the derivatives of the path
+    /// are computed by differences, along a curve without a jump of its jerk: differences of set-points, between which
+    /// the jerk jumps, would give the acceleration with an error of up to one period of jerk.
+    pub(crate) fn state_at(
+        &self,
+        arm: &Arm,
+        time: f64,
+        hint: &Joints,
+    ) -> Result<JointState, MotionError> {
+        /// Step of the differences, s. With a shorter one, rounding errors of the inverse kinematics would matter; with
+        /// a longer one, a jump of the third derivative of the path, as at the start of a corner.
+        const STEP: f64 = 3e-5;
+        let near = |steps: f64| self.inverse_near(arm, time, steps * STEP, hint);
+        let (a, b, c, d, e) = (near(-2.0)?, near(-1.0)?, near(0.0)?, near(1.0)?, near(2.0)?);
+        let mut state = JointState::at_rest(c);
+        for axis in 0..arm.axes() {
+            let rest = self.residual.state_at(axis, time);
+            let [a, b, c, d, e] = [&a, &b, &c, &d, &e].map(|joints| joints[axis] - c[axis]);
+            state.position[axis] += rest.position;
+            state.velocity[axis] = rest.velocity + (8.0 * (d - b) - (e - a)) / (12.0 * STEP);
+            state.acceleration[axis] =
+                rest.acceleration + (16.0 * (b + d) - (a + e) - 30.0 * c) / (12.0 * STEP * STEP);
+        }
+        Ok(state)
+    }
+
+    /// Returns the joint positions (rad) of the inverse kinematics `ahead` seconds after a time of the motion (s), near
+    /// to `hint`. Time law and residual of the tool are continued with the accelerations that they have at `time`.
+    fn inverse_near(
+        &self,
+        arm: &Arm,
+        time: f64,
+        ahead: f64,
+        hint: &Joints,
+    ) -> Result<Joints, MotionError> {
+        let s = self.held.state_at(time).advanced(ahead, 0.0).s;
+        let tool = self.tool.filter(|tool| time < tool.end());
+        let Some((tool, pose)) = tool.zip(self.tool_pose(s)) else {
+            return Ok(self.table.joints_at(arm, s, hint)?);
+        };
+        let pose = tool.displaced(&pose, time, ahead);
+        let angle = tool.arm_angle_at(time, ahead);
+        let path = self.table.joint_path();
+        path.displaced_joints(arm, s, &pose, angle, hint)
+            .ok_or(MotionError::NotFinite)
     }
 
     fn tool_pose(&self, s: f64) -> Option<rpi_kin::Pose> {
@@ -83,7 +123,7 @@ impl Course {
         }
     }
 
-    /// Returns the set-point of a time of the motion.
+    /// Returns the set-point at a time of the motion (s).
     pub(crate) fn set_point(&mut self, arm: &Arm, time: f64) -> Result<SetPoint, MotionError> {
         let path = self.held.state_at(time);
         let (joints, hint) = self.joints_at(arm, time, &self.hint)?;
@@ -97,13 +137,4 @@ impl Course {
             done: on_path && at_end,
         })
     }
-}
-
-/// Returns the state on the parabola through the last set-points, `period` seconds apart.
-pub(crate) fn state_of(last: &[Joints; 4], period: f64) -> JointState {
-    let [_, b, c, d] = last;
-    let velocity = core::array::from_fn(|axis| (d[axis] - c[axis]) / period);
-    let acceleration =
-        core::array::from_fn(|axis| (d[axis] - 2.0 * c[axis] + b[axis]) / (period * period));
-    JointState::from_differences(*d, velocity, acceleration, period)
 }

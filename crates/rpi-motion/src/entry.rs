@@ -9,8 +9,9 @@ use crate::{Arm, JointState};
 use rpi_kin::state_to_rest::{AxisState, Bounds};
 use rpi_kin::{MAX_AXES, Range};
 
-/// Parameters with which a takeover on to a path is planned: shares of the limits for the residual, and of the arm's
-/// velocity and acceleration along the path.
+/// Parameters with which a takeover on to a path is tried: the share of the limits of the axes for the residual (the
+/// decaying difference between arm and path), and the shares of the arm's velocity and acceleration along the path that
+/// the motion continues.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Attempt {
     pub limits: f64,
@@ -18,8 +19,8 @@ pub(crate) struct Attempt {
     pub acceleration: f64,
 }
 
-/// Parameters of takeovers in the order in which they are tried. A share of half the limits was best in the median of
-/// random takeovers, 0.7 where the arm comes fast.
+/// Parameters of takeovers in the order in which they are tried. Half the limits was the best share in the median of
+/// random takeovers, 0.7 for arms that move fast.
 pub(crate) const ATTEMPTS: [Attempt; 6] = [
     attempt(0.5, 1.0, 1.0),
     attempt(0.7, 1.0, 1.0),
@@ -29,10 +30,12 @@ pub(crate) const ATTEMPTS: [Attempt; 6] = [
     attempt(0.95, 0.0, 0.0),
 ];
 
-/// Shares of acceleration and jerk that are tried for the first braking of a takeover.
+/// Shares of the maximum acceleration and jerk along the path with which a takeover brakes if no plan follows, in the
+/// order in which they are tried.
 const BRAKE_SHARES: [f64; 3] = [0.7, 0.45, 0.25];
 
-/// Lowest useful velocity of the path parameter, 1/s: a slower takeover is not better than standing still.
+/// Minimum velocity along the path with which a takeover continues, m/s (rad/s on a joint line). A slower one is not
+/// better than a start at rest.
 const SLOWEST: f64 = 1e-4;
 
 const fn attempt(limits: f64, velocity: f64, acceleration: f64) -> Attempt {
@@ -43,23 +46,25 @@ const fn attempt(limits: f64, velocity: f64, acceleration: f64) -> Attempt {
     }
 }
 
-/// Takeover on to a path that has been verified against the limits.
+/// Takeover on to a path, verified against the limits.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Entry {
     pub residual: Residual,
     pub brake: HeldBrake,
-    /// Index of the share of the limits with which the next plan begins.
+    /// Index into [`SHARES`](crate::plan::SHARES) near which the next plan begins.
     pub share: usize,
 }
 
-/// The entry that cannot fail: the path stands, and each axis comes to rest at its start on its own, with all its
-/// limits. It needs no verification, because the arm could stop within its range before the takeover.
+/// Returns the residual of the takeover that is always possible: the position along the path rests at the start, and
+/// each axis comes to rest there on its own, with all its limits. It needs no verification, because the arm could stop
+/// within its range before the takeover. `None` if a number is not finite.
 pub(crate) fn standing(arm: &Arm, node: &Node, state: &JointState, time: f64) -> Option<Residual> {
     residual(arm, node, state, time, PathState::default(), 1.0)
 }
 
-/// The first entry of a motion: as [`standing`], with half of the limits where this keeps them and the `ranges`. A better
-/// entry follows after a few cycles, so full jerk for so short a time would only shake the arm, and what moves with it.
+/// Returns the residual of the first takeover of a motion: as [`standing`], but with half of the limits if these bounds
+/// and the `ranges` are then respected. A better takeover follows after a few cycles, so full jerk for this short time
+/// would only shake the arm. `None` if a number is not finite.
 pub(crate) fn first(
     arm: &Arm,
     node: &Node,
@@ -68,23 +73,15 @@ pub(crate) fn first(
     time: f64,
 ) -> Option<Residual> {
     let gentle = residual(arm, node, state, time, PathState::default(), 0.5);
-    let in_ranges = |residual: &Residual| {
-        ranges
-            .iter()
-            .enumerate()
-            .take(arm.axes())
-            .all(|(axis, range)| {
-                let (low, high) = residual.span(axis);
-                let here = node.joints[axis];
-                here + low >= range.lower && here + high <= range.upper
-            })
-    };
     gentle
-        .filter(|residual| peaks_are_within(arm, residual) && in_ranges(residual))
+        .filter(|residual| {
+            peaks_are_within(arm, residual) && residual.can_stop(arm, time, &node.joints, ranges)
+        })
         .or_else(|| standing(arm, node, state, time))
 }
 
-/// Tries one entry at `time` (s) from the state of the arm.
+/// Tries one takeover at the time `time` of the motion (s) from the state of the arm; `None` if it fails the
+/// verification.
 pub(crate) fn attempted(
     verifier: &Verifier<'_>,
     state: &JointState,
@@ -134,8 +131,8 @@ pub(crate) fn attempted(
     None
 }
 
-/// Velocity and acceleration of the path parameter that fit best to those of the joints: least squares, weighted by the
-/// velocity limits, and cut to what the path allows.
+/// Returns the velocity and acceleration along the path that fit best to those of the axes: least squares, weighted by
+/// the velocity limits, and limited to what the path allows.
 pub(crate) fn along_path(
     arm: &Arm,
     node: &Node,
@@ -165,7 +162,9 @@ pub(crate) fn along_path(
     }
 }
 
-/// The residual of a start on the path, decaying with a share of the limits; a share of 1 means the limits themselves.
+/// Returns the residual (decaying difference between arm and path) of a takeover with the state `start` along the path.
+/// It decays with the share `share` of the limits of the axes; 1 stands for the limits themselves. `None` if a number
+/// is not finite.
 fn residual(
     arm: &Arm,
     node: &Node,
@@ -201,8 +200,8 @@ fn residual(
     Residual::new(arm.axes(), time, difference, bounds)
 }
 
-/// Whether the residual alone keeps the limits. A start beyond its own bounds is brought back with bounded jerk, and
-/// may exceed them on the way.
+/// Returns true if the residual alone keeps the limits of velocity and acceleration. A start beyond its own bounds is
+/// brought back with bounded jerk and may exceed them on the way.
 fn peaks_are_within(arm: &Arm, residual: &Residual) -> bool {
     arm.limits().iter().enumerate().all(|(axis, limits)| {
         let (velocity, acceleration) = residual.peaks(axis);

@@ -2,12 +2,14 @@
 
 use crate::arm_angle::smooth_step;
 
-/// Axis 3 held from the start of the path, until the arm angle is held again.
+/// Axis 3 of a redundant arm, held at one value from the start of a path until the arm angle (position of the elbow) is
+/// held again.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct HeldAxis {
-    /// Value of axis 3, rad.
+    /// Value at which axis 3 is held, rad.
     third: f64,
-    /// Where the arm angle passes over to the held one: from, to. Infinite while that is not known.
+    /// Positions along the path (m) between which the arm passes over to a held arm angle: start, end. Infinite while
+    /// they are not known.
     over: (f64, f64),
 }
 
@@ -31,7 +33,8 @@ impl HeldAxis {
         self.over = over;
     }
 
-    /// Share of the arm angle with axis 3 held, from 1 to 0.
+    /// Weight of the arm angle that belongs to the held axis 3, at the position `s` (m) along the path: 1 while the
+    /// axis is held, 0 where the arm angle is held instead.
     pub(crate) fn weight_at(&self, s: f64) -> f64 {
         match self.is_open() {
             true => 1.0,

@@ -14,19 +14,19 @@ use crate::{Arm, JointState, Joints, MotionError};
 use rpi_kin::state_to_rest::{AxisState, Bounds};
 use rpi_kin::{MAX_AXES, Range};
 
-/// Goal of the axes, in rad and s (m for a linear axis).
+/// Goal of a motion of the axes, in rad and s (m and s for a linear axis).
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum JointGoal {
-    /// All axes come to rest at these positions, at the same time: synchronised by time.
+    /// All axes come to rest at these positions (rad) at the same time: synchronised by time.
     Position(Joints),
-    /// The axes follow a goal that is at these positions and moves with these velocities, each as fast as it can.
+    /// Each axis follows, as fast as it can, a goal that is at this position and moves with this velocity.
     Moving {
-        /// Positions.
+        /// Positions of the goal for all axes, rad.
         position: Joints,
-        /// Velocities.
+        /// Velocities of the goal for all axes, rad/s.
         velocity: Joints,
     },
-    /// The axes move with these velocities, and stop before the ends of their ranges.
+    /// The axes move with these velocities (rad/s), and stop before the ends of their ranges.
     Velocity(Joints),
     /// The axes come to rest, as fast as their limits allow, and stay there.
     Rest,
@@ -35,11 +35,13 @@ pub enum JointGoal {
 /// Set-point of a [`JointMotion`].
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct JointSetPoint {
-    /// State of the axes.
+    /// Position, velocity and acceleration of the axes.
     pub state: JointState,
-    /// Whether the axes are at the goal: at its positions and with its velocities, or with the velocities that are asked.
+    /// True if the axes are at the goal: at its positions and with its velocities; for a velocity goal, with its
+    /// velocities.
     pub at_goal: bool,
-    /// Axis that cannot go on, counted from 0: it rests at the end of its range, and the goal lies beyond.
+    /// First axis, counted from 0, that rests at the end of its range because the goal lies beyond; `None` if no axis
+    /// does.
     pub at_range_end: Option<usize>,
 }
 
@@ -49,32 +51,34 @@ pub struct JointMotion {
     arm: Arm,
     /// Period of the set-points, s.
     period: f64,
-    /// Bounds of the plans, and those of the stops: the limits of the axes.
+    /// Bounds of velocity, acceleration and jerk of each axis with which motions are planned: rad/s, rad/s², rad/s³.
     bounds: [Bounds; MAX_AXES],
     stops: [AxisLimits; MAX_AXES],
     ranges: [Range; MAX_AXES],
-    /// State at the last set-point, and at the one before.
+    /// State of each axis at the last set-point.
     state: [AxisState; MAX_AXES],
+    /// State of each axis at the set-point before the last one.
     previous: [AxisState; MAX_AXES],
 }
 
-/// Difference of positions (rad) and of velocities (rad/s) that counts as none.
+/// Difference of positions (rad) or velocities (rad/s) below which an axis counts as being at its goal.
 const SAME: f64 = 1e-9;
 
-/// Distance beyond a range that is rounding, rad.
+/// Distance beyond the end of a range that counts as rounding, rad.
 const OUTSIDE: f64 = 1e-9;
 
-/// Share of the highest speed of an axis that a goal may have, so that the axis can catch up with it.
+/// Maximum speed of a moving goal, as a share of the maximum speed of the axis: the axis must be able to catch up with
+/// it.
 const FASTEST_GOAL: f64 = 0.95;
 
-/// States at rest at 0.
+/// State of axes that are at rest at position 0.
 const AT_REST: [AxisState; MAX_AXES] = [AxisState {
     position: 0.0,
     velocity: 0.0,
     acceleration: 0.0,
 }; MAX_AXES];
 
-/// Bounds of an axis that the arm does not have.
+/// Arbitrary positive bounds for the entries beyond the axes of the arm.
 const NO_AXIS: Bounds = Bounds {
     speed: 1.0,
     acceleration: 1.0,
@@ -82,7 +86,7 @@ const NO_AXIS: Bounds = Bounds {
 };
 
 impl JointMotion {
-    /// Creates the motion of an arm at rest for set-points of a period (s).
+    /// Creates the motion of an arm that is at rest at joint positions 0. `period` is the time between set-points, s.
     #[must_use]
     pub fn new(arm: Arm, period: f64) -> Self {
         let mut stops = [AxisLimits::from(NO_AXIS); MAX_AXES];
@@ -104,11 +108,11 @@ impl JointMotion {
         }
     }
 
-    /// Begins a motion from the state of the arm as commanded, for set-points of a period (s). `requested` are the bounds of
-    /// each axis, which may be higher than its limits.
+    /// Begins a motion from `state`, the state of the arm as commanded. `period` is the time between set-points, s.
+    /// `requested` are the bounds for each axis, in rad and s; they may be higher than its limits, which hold, too.
     ///
     /// # Errors
-    /// [`MotionError::NotFinite`] if a number is not finite or a bound not positive. The present motion then goes on.
+    /// [`MotionError::NotFinite`] if a number is not finite or a bound not positive. The present motion then continues.
     pub fn begin(
         &mut self,
         state: &JointState,
@@ -139,8 +143,8 @@ impl JointMotion {
         Ok(())
     }
 
-    /// Returns the set-point of the next cycle: one period further towards the goal, with a share (0 to 1) of the requested
-    /// speed. Call it once per period. A goal that is not finite is that of [`JointGoal::Rest`].
+    /// Returns the set-point of the next cycle: one period further towards the goal, with the share `speed_share` (0 to
+    /// 1) of the requested speed. Call it once per period. A goal that is not finite counts as [`JointGoal::Rest`].
     pub fn next_set_point(&mut self, goal: &JointGoal, speed_share: f64) -> JointSetPoint {
         let goal = self.limited(goal, speed_share);
         let limits = self.limits(&goal, speed_share);
@@ -153,8 +157,8 @@ impl JointMotion {
         }
     }
 
-    /// Returns the state `elapsed` seconds (down to minus one period) after the last set-point if each axis stops on its own:
-    /// for an arm that stops in steps shorter than a period.
+    /// Returns the state `elapsed` seconds after the last set-point if each axis stops on its own: for an arm that
+    /// stops in steps shorter than a period. `elapsed` may be negative, down to minus one period.
     #[must_use]
     pub fn stopping(&self, elapsed: f64) -> JointState {
         let stop = self.stop_from(&self.state);
@@ -169,13 +173,13 @@ impl JointMotion {
         self.joint_state(&core::array::from_fn(at))
     }
 
-    /// Returns the state at the last set-point: exactly, unlike the differences of the set-points.
+    /// Returns the state at the last set-point, exactly; differences of set-points would only approximate it.
     #[must_use]
     pub fn state(&self) -> JointState {
         self.joint_state(&self.state)
     }
 
-    /// The goal with positions within the ranges and velocities that the bounds allow.
+    /// Returns the goal with its positions limited to the ranges and its velocities limited to the bounds.
     fn limited(&self, goal: &JointGoal, speed_share: f64) -> JointGoal {
         let speed = |axis: usize| FASTEST_GOAL * self.bounds[axis].speed * speed_share;
         let inside = |axis: usize, position: f64| {
@@ -217,15 +221,15 @@ impl JointMotion {
         }
     }
 
-    /// Range of the positions at which an axis may rest: its range, less what a stop from rest may take if the acceleration is
-    /// only known to one period of jerk.
+    /// Range of the positions (rad) at which an axis (counted from 0) may rest: the range of the axis, less the
+    /// distance of a stop from rest whose initial acceleration is known only to one period of jerk.
     fn goals(&self, axis: usize) -> Range {
         let (jerk, range) = (self.stops[axis].max_jerk, self.ranges[axis]);
         let stop = 3.0 * jerk * self.period * self.period * self.period;
         range.shrunk(stop.min((range.upper - range.lower) / 4.0))
     }
 
-    /// Limits of the plans for a goal.
+    /// Returns the limits for the plan to a goal, with the share `speed_share` (0 to 1) of the requested speed.
     fn limits(&self, goal: &JointGoal, speed_share: f64) -> [AxisLimits; MAX_AXES] {
         core::array::from_fn(|axis| {
             let bounds = self.bounds[axis];
@@ -238,7 +242,8 @@ impl JointMotion {
         })
     }
 
-    /// The states one period later: of the first plan of each axis from which it can stop within its range.
+    /// Returns the states of the axes one period later. Each axis takes the fastest of its plans after which it can
+    /// still stop within its range.
     fn planned(&self, goal: &JointGoal, limits: &[AxisLimits; MAX_AXES]) -> [AxisState; MAX_AXES] {
         let careful = match goal {
             JointGoal::Moving { position, .. } => {
@@ -257,7 +262,7 @@ impl JointMotion {
         next
     }
 
-    /// The states one period later on the fastest way to the goal; `None` if there is no plan.
+    /// Returns the states of the axes one period later on the fastest way to the goal; `None` if there is no plan.
     fn wanted(
         &self,
         goal: &JointGoal,
@@ -279,8 +284,8 @@ impl JointMotion {
         }
     }
 
-    /// The target of a goal. An axis that shall move with a velocity goes to the end of its range: there, it comes to rest by
-    /// itself.
+    /// Returns the states at which a goal is reached. For a velocity goal, it is the end of the range of each axis,
+    /// where the axis comes to rest by itself.
     fn target(&self, goal: &JointGoal) -> [AxisState; MAX_AXES] {
         match goal {
             JointGoal::Position(to) => resting(to),
@@ -300,8 +305,8 @@ impl JointMotion {
         }
     }
 
-    /// The states one period later on the way to targets that move with their velocities: planned in coordinates that move
-    /// with the targets, so that the plan meets them.
+    /// Returns the states of the axes one period later on the way to targets that move with their velocities; `None` if
+    /// there is no plan. Planned in coordinates that move with the targets, so that the plan meets them.
     fn followed(
         &self,
         target: &[AxisState; MAX_AXES],
@@ -334,7 +339,8 @@ impl JointMotion {
         }))
     }
 
-    /// The states one period later if each axis comes to rest within limits.
+    /// Returns the states of the axes one period later if each axis comes to rest within `limits`; `None` if there is
+    /// no plan.
     fn halted(&self, limits: &[AxisLimits; MAX_AXES]) -> Option<[AxisState; MAX_AXES]> {
         let options = MotionOptions {
             synchronization: Synchronization::None,
@@ -344,7 +350,7 @@ impl JointMotion {
         Some(halt.state_at(self.period))
     }
 
-    /// The stop of each axis on its own, with its limits.
+    /// Plans the stop of each axis on its own from `state`, with the limits of the arm; `None` if there is no plan.
     fn stop_from(&self, state: &[AxisState; MAX_AXES]) -> Option<OnlineMotion<MAX_AXES>> {
         let options = MotionOptions {
             synchronization: Synchronization::None,
@@ -353,12 +359,12 @@ impl JointMotion {
         OnlineMotion::to_velocity(state, &AT_REST, &self.stops, options).ok()
     }
 
-    /// Whether each axis can stop from a state within its range and its limit of the velocity, which its acceleration still
-    /// changes.
+    /// Returns, for each axis, true if it can stop from `state` within its range, without its velocity exceeding the
+    /// limit on the way.
     ///
-    /// The next motion knows this state by the differences of the set-points only: its acceleration may differ by one
-    /// period of jerk. So the states that much to both sides are looked at. The distance of a stop grows with velocity and
-    /// acceleration; so if a state passes, those on the way of its stop pass, too.
+    /// The next motion knows this state only by differences of set-points, so its acceleration may differ by one period
+    /// of jerk. Therefore two states that differ this much to both sides are checked. The distance of a stop grows with
+    /// velocity and acceleration; so if a state passes, the states on the way of its stop pass, too.
     fn can_stop_from(&self, state: &[AxisState; MAX_AXES]) -> [bool; MAX_AXES] {
         let period = self.period;
         let beside = |sense: f64| {
@@ -409,7 +415,8 @@ impl JointMotion {
         })
     }
 
-    /// The axis that rests at the end of its range although its velocity leads beyond.
+    /// Returns the first axis, counted from 0, that rests at the end of its range although its commanded velocity leads
+    /// beyond; `None` if no axis does.
     fn axis_at_end(&self, goal: &JointGoal) -> Option<usize> {
         let JointGoal::Velocity(velocity) = goal else {
             return None;
@@ -432,7 +439,7 @@ impl JointMotion {
     }
 }
 
-/// The states at rest at positions.
+/// Returns the states of axes at rest at these positions (rad).
 fn resting(positions: &Joints) -> [AxisState; MAX_AXES] {
     positions.map(|position| AxisState {
         position,

@@ -6,37 +6,40 @@ use crate::path_error::{PathError, PathErrorKind};
 use crate::{Arm, Joints};
 use rpi_kin::Pose;
 
-/// A step of an axis from its hint above this is a change of configuration, rad.
+/// Difference of an axis from its hint, rad, above which the arm has changed its configuration.
 const CONFIGURATION_STEP: f64 = 0.1;
 
-/// How far ahead the arm angle is looked at, m, and in which steps.
+/// Length of the path ahead of the motion for which the arm angle (position of the elbow) is planned, m.
 const AHEAD: f64 = 0.1;
+/// Distance between the places on the path at which the arm angle is planned, m.
 const STEP: f64 = 0.01;
 
-/// Shortest stretch of the path on which the arm angle may change, m.
+/// Minimum length of the path on which the arm angle changes, m.
 const SHORTEST_MOVE: f64 = 0.01;
 
-/// Bend of the shoulder (axis 2, rad) below which a path begins with axis 3 held instead of the arm angle, and above which
-/// the arm angle is held again.
+/// Bend of the shoulder (magnitude of axis 2, rad) below which a path begins with axis 3 held instead of the arm angle.
 const UPRIGHT: f64 = 0.03;
+/// Bend of the shoulder (magnitude of axis 2, rad) above which the arm angle is held again, after a start with axis 3
+/// held.
 const INCLINED: f64 = 0.15;
 
-/// Extra changes of the arm angle beyond the necessary one, rad. The largest that the ranges allow is taken.
+/// Changes of the arm angle beyond the one that the ranges demand, rad, so that the next change comes later. The
+/// largest one that the ranges allow is taken.
 const FARTHER: [f64; 4] = [0.3, 0.15, 0.05, 0.01];
 
-/// A path, and the arm angle along it.
+/// Path in joint space: a path of the tool or of the joints, and the arm angle (position of the elbow) along it.
 #[derive(Clone, Copy, Debug)]
 pub struct JointPath {
-    /// Path of the tool in space.
+    /// Path of the tool in space, or line in joint space.
     pub path: Path,
     arm_angle: ArmAngle,
     is_redundant: bool,
-    /// Place (value of the path parameter) up to which the arm angle has been planned, and the joints there.
+    /// Position along the path (m) up to which the arm angle has been planned, and the joint positions (rad) there.
     seen: (f64, Joints),
 }
 
 impl JointPath {
-    /// Begins a path with the arm angle of joints at its start.
+    /// Creates a path in joint space that begins with the arm angle of the joint positions `start` (rad).
     #[must_use]
     pub fn new(arm: &Arm, path: Path, start: &Joints) -> Self {
         let angle = arm.arm_angle(start);
@@ -53,7 +56,7 @@ impl JointPath {
         }
     }
 
-    /// Creates a path whose arm angle is constant at 0, for arms or uses in which it does not matter.
+    /// Creates a path in joint space with the constant arm angle 0, for paths on which it does not matter.
     pub(crate) fn still(path: Path) -> Self {
         Self {
             path,
@@ -63,10 +66,10 @@ impl JointPath {
         }
     }
 
-    /// Returns the joints of the path at a place, near to `hint`.
+    /// Returns the joint positions (rad) of the path at the position `s` along it, near to `hint` (rad).
     ///
     /// # Errors
-    /// A [`PathError`] if there are none, or if they belong to another configuration.
+    /// A [`PathError`] if there are none, or if they belong to another configuration than `hint`.
     pub fn joints_at(&self, arm: &Arm, s: f64, hint: &Joints) -> Result<Joints, PathError> {
         let joints = self.solution_at(arm, s, hint)?;
         let is_joint_line = matches!(self.path, Path::Joints(_));
@@ -80,7 +83,8 @@ impl JointPath {
         }
     }
 
-    /// Returns the joints of the path at a place, of whatever configuration: the nearest ones to `hint`.
+    /// Returns the joint positions (rad) of the path at the position `s` along it, nearest to `hint` (rad), whatever
+    /// their configuration.
     ///
     /// # Errors
     /// A [`PathError`] if there are none.
@@ -101,8 +105,8 @@ impl JointPath {
         })
     }
 
-    /// Returns the joints near to `hint` for a pose of the tool that is displaced from the path at a place, with an arm angle
-    /// that differs from that of the path by `change` (rad). `None` if there are none.
+    /// Returns the joint positions (rad), near to `hint`, for the pose `pose` of the tool beside the path at the
+    /// position `s` along it. The arm angle differs from that of the path by `change` (rad). `None` if there are none.
     pub(crate) fn displaced_joints(
         &self,
         arm: &Arm,
@@ -118,12 +122,13 @@ impl JointPath {
         arm.inverse(pose, hint, angle).ok().map(|found| found.0)
     }
 
-    /// Whether the arm angle is free at a place: axis 3 is not held there.
+    /// Returns true if axis 3 is not held at the position `s` along the path, so that the arm angle may change.
     pub(crate) fn has_free_arm_angle(&self, s: f64) -> bool {
         self.arm_angle.held_third_axis(s).is_none()
     }
 
-    /// Returns the arm angle of the path at a place, rad; 0 for an arm without.
+    /// Returns the arm angle (rad) of the path at the position `s` along it, near to that of `hint`; 0 for an arm that
+    /// is not redundant.
     pub(crate) fn arm_angle_of_path(&self, arm: &Arm, s: f64, hint: &Joints) -> f64 {
         match &self.path {
             Path::Tool(path) if self.is_redundant => self.arm_angle_at(arm, s, &path.pose(s), hint),
@@ -131,20 +136,21 @@ impl JointPath {
         }
     }
 
-    /// Whether the arm has an arm angle to choose on this path.
+    /// Returns true if the arm angle can be chosen along this path: a redundant arm on a path of the tool.
     #[must_use]
     pub fn is_redundant(&self) -> bool {
         self.is_redundant
     }
 
-    /// The arm angle at a place of the path with this pose of the tool, near to the joints `hint`, rad.
+    /// Returns the arm angle (rad) at the position `s` along the path, where the tool has the pose `pose`, near to that
+    /// of the joint positions `hint` (rad).
     fn arm_angle_at(&self, arm: &Arm, s: f64, pose: &Pose, hint: &Joints) -> f64 {
         let of_third = |third, near| arm.arm_angle_of_third_axis(pose, third, hint, near);
         self.arm_angle.at(s, of_third)
     }
 
-    /// Looks ahead of `built` (the end of the part that is in use), at most `steps` steps, and moves the arm angle where
-    /// the ranges of the axes will demand it.
+    /// Plans the arm angle further ahead, in at most `steps` steps, and changes it where the ranges of the axes will
+    /// demand it. `built` is the end (m) of the part of the path that is in use and must not change.
     pub fn look_ahead(&mut self, arm: &Arm, built: f64, steps: usize) {
         if !self.is_redundant {
             return;
@@ -185,7 +191,8 @@ impl JointPath {
         self.seen = (s, joints);
     }
 
-    /// Passes over to a held arm angle behind a place `s` with these joints, if the upper arm is inclined enough there.
+    /// Passes over from a held axis 3 to a held arm angle, behind the position `s` along the path with the joint
+    /// positions `joints`, if the upper arm is inclined enough there. The part up to `built` does not change.
     fn pass_over(&mut self, arm: &Arm, s: f64, joints: &Joints, built: f64) {
         if self.arm_angle.holds_axis() && joints[1].abs() > INCLINED {
             let from = s.max(built);

@@ -59,5 +59,5 @@ pub use path_start::path_start;
 pub use set_point::{Controls, EntryPreference, MotionError, SetPoint};
 pub use speed_limit::{SpeedBound, SpeedLimit};
 
-/// Values of all axes, in rad (m for a prismatic joint); entries beyond the axes of the arm are 0.
+/// Values of all axes, such as positions in rad (m for a prismatic joint); entries beyond the axes of the arm are 0.
 pub type Joints = [f64; rpi_kin::MAX_AXES];

@@ -24,44 +24,48 @@ pub struct MotionCore {
     arm: Arm,
     /// Period of the set-points, s.
     period: f64,
-    /// Path, time law and residuals of the motion.
+    /// Path, time law and residuals (decaying differences between arm and path) of the present motion.
     course: Course,
-    /// The same of the motion before: the arm follows it until the takeover begins.
+    /// Course of the previous motion, which the arm follows until the takeover begins.
     previous: Course,
     planner: Planner,
-    /// Ranges of the axes that the motion does not leave.
+    /// Ranges of the axes that the motion keeps, rad.
     ranges: [Range; MAX_AXES],
-    /// Number of the cycle of the motion, from 0; its set-point is that of the time `(cycle + 1) * period`.
+    /// Number of the next cycle of the motion, from 0. Its set-point is the one at the time `(cycle + 1) * period`.
     cycle: u64,
-    /// Number of planned takeovers that are still to be tried; all of them as long as the arm stands at the start of
-    /// the path.
+    /// Index into [`ATTEMPTS`] of the takeover that is tried next; the length of the list if none is to be tried any
+    /// more.
     attempt: usize,
     preference: EntryPreference,
-    /// Takeover that is prepared while the arm follows its previous motion.
+    /// Takeover within the bounds of the tool that is prepared while the arm follows its previous motion; `None`
+    /// without one.
     approach: Option<Approach>,
     trace: ToolTrace,
 }
 
-/// Maximum number of nodes in the table of a path: 1 MB, twice for each arm (present and previous motion).
+/// Maximum number of nodes (places with derivatives) in the table of a path: 1 MB, twice for each arm, for its present
+/// and its previous motion.
 const NODES: usize = 4096;
 
-/// Number of nodes made in a cycle that does other work, too.
+/// Number of nodes (places of the path with derivatives) computed in a cycle that does other work, too.
 const NODES_ON_PATH: usize = 16;
 
-/// Cycle in which better entries are tried first: enough of the path is known then.
+/// Cycle of a motion, counted from its start, from which a faster takeover on to the path is planned:
+/// by then enough places of the path have been computed.
 const ENTRY_CYCLE: u64 = 4;
 
-/// Share of the tool's bounds for the path parameter while a residual decays.
+/// Share of the requested bounds of the tool that the motion along the path uses while a residual decays; 1 is all of
+/// them.
 const SHARE_WITH_RESIDUAL: f64 = 1.0;
 
 impl MotionCore {
-    /// Greatest number of nodes made in a cycle.
+    /// Maximum number of nodes (places of the path with derivatives) computed in a cycle.
     pub const NODES_PER_CYCLE: usize = 48;
 
-    /// Greatest number of samples that the verifications of a cycle take.
+    /// Maximum number of samples at which time laws are verified in a cycle.
     pub const SAMPLES_PER_CYCLE: usize = SAMPLES_PER_CYCLE;
 
-    /// Creates the core of an arm at rest for set-points of a period (s). Allocates.
+    /// Creates the core of an arm at rest. `period` is the time between set-points, s. Allocates.
     #[must_use]
     pub fn new(arm: Arm, period: f64) -> Self {
         Self {
@@ -79,18 +83,19 @@ impl MotionCore {
         }
     }
 
-    /// Sets how the arm comes on to the next path. Call it before [`MotionCore::begin`].
+    /// Sets the way in which the arm comes on to the next path. Call it before [`MotionCore::begin`].
     pub fn set_entry_preference(&mut self, preference: EntryPreference) {
         self.preference = preference;
     }
 
-    /// Begins a motion along `path` from the state of the arm as commanded, in place of the present one. `requested` are the
-    /// bounds of the tool along the path (m and s), or of the path parameter of a joint line (rad and s). The path may
-    /// start elsewhere than the arm: the difference decays as residual.
+    /// Begins a motion along `path` from `state`, the state of the arm as commanded, in place of the present motion.
+    /// During a motion of this core, `state` must be that of [`MotionCore::state`]. `requested` are the bounds of the
+    /// tool along the path (m and s), or of the axis that moves farthest on a joint line (rad and s). The path may
+    /// start elsewhere than the arm: the difference decays during the motion.
     ///
     /// # Errors
     /// A [`MotionError`] if the start of the path cannot be reached or a number is not usable. The present motion then
-    /// goes on.
+    /// continues.
     pub fn begin(
         &mut self,
         path: Path,
@@ -100,11 +105,13 @@ impl MotionCore {
         self.begin_at(path, &state.position, state, requested)
     }
 
-    /// As [`MotionCore::begin`], with joints at the start of the path, or near to them: for a path that begins elsewhere
-    /// than where the arm is, as at [`path_start`](crate::path_start()).
+    /// Begins a motion along `path` from `state`, the state of the arm as commanded, like [`MotionCore::begin`].
+    /// `start` are joint positions (rad) at the start of the path or near to it, for a path that begins elsewhere than
+    /// the arm is; [`path_start`](crate::path_start()) computes them.
     ///
     /// # Errors
-    /// As [`MotionCore::begin`].
+    /// A [`MotionError`] if the start of the path cannot be reached or a number is not usable. The present motion then
+    /// continues.
     pub fn begin_at(
         &mut self,
         path: Path,
@@ -142,7 +149,8 @@ impl MotionCore {
         Ok(())
     }
 
-    /// Begins to come on to the path from a state at a time of the motion (s), each axis on its own.
+    /// Begins the takeover on to the path from `state` at a time of the motion (s): each axis approaches the start of
+    /// the path on its own.
     fn enter_by_axes(&mut self, state: &JointState, time: f64) -> Result<(), MotionError> {
         let node = self.course.table.first_node();
         let residual = entry::first(&self.arm, node, state, &self.ranges, time);
@@ -158,7 +166,8 @@ impl MotionCore {
     /// Returns the set-point of the next cycle. Call it once per period.
     ///
     /// # Errors
-    /// [`MotionError::Path`] if the inverse at the present place has no solution although its neighbours have one.
+    /// [`MotionError::Path`] if the inverse kinematics has no solution at the present place, although neighbouring
+    /// places have one.
     pub fn next_set_point(&mut self, controls: Controls) -> Result<SetPoint, MotionError> {
         let time = self.cycle as f64 * self.period;
         let now = self.course.held.state_at(time);
@@ -188,11 +197,12 @@ impl MotionCore {
         Ok(at)
     }
 
-    /// Begins to hold the joints `at`, in place of the present motion, from the state of the arm as commanded: each
-    /// axis goes there on its own, with all its limits. The motion is done once they rest there.
+    /// Begins to hold the joint positions `at` (rad), in place of the present motion, from `state`, the state of the
+    /// arm as commanded: each axis moves there on its own, with all its limits. The motion is done once all axes rest
+    /// there.
     ///
     /// # Errors
-    /// [`MotionError::NotFinite`] if a number is not finite. The present motion then goes on.
+    /// [`MotionError::NotFinite`] if a number is not finite. The present motion then continues.
     pub fn begin_hold(&mut self, at: &Joints, state: &JointState) -> Result<(), MotionError> {
         if !(state.is_finite() && at.iter().all(|joint| joint.is_finite())) {
             return Err(MotionError::NotFinite);
@@ -212,28 +222,50 @@ impl MotionCore {
         Ok(())
     }
 
-    /// Sets the period of the set-points (s) of the next motion. Call it before [`MotionCore::begin`].
+    /// Sets the period of the set-points (s) for the next motion. Call it before [`MotionCore::begin`].
     pub fn set_period(&mut self, period: f64) {
         self.period = period;
     }
 
-    /// Returns the set-point `elapsed` seconds after the last one under the held brake: without a new plan. For an arm
-    /// that stops on its own, in steps shorter than a period. `elapsed` may be negative, down to one period.
+    /// Returns the set-point `elapsed` seconds after the last one if no new plan follows: the arm brakes on its path.
+    /// For an arm that stops on its own, in steps shorter than a period. `elapsed` may be negative, down to minus one
+    /// period.
     ///
     /// # Errors
-    /// As [`MotionCore::next_set_point`].
+    /// [`MotionError::Path`] if the inverse kinematics has no solution at the place, although neighbouring places have
+    /// one.
     pub fn braking_set_point(&mut self, elapsed: f64) -> Result<SetPoint, MotionError> {
         self.set_point(self.cycle as f64 * self.period + elapsed)
     }
 
-    /// Returns why the path cannot be followed to its end, once this is known.
+    /// Returns the state of the arm at the last set-point. A motion that takes over there must begin in this state: the
+    /// one that [`JointState::from_differences`] computes from set-points has an error of up to one period of jerk.
+    #[must_use]
+    pub fn state(&self) -> JointState {
+        self.braking_state(0.0)
+    }
+
+    /// Returns the state of the arm `elapsed` seconds after the last set-point if no new plan follows: the state at the
+    /// set-point of [`MotionCore::braking_set_point`].
+    #[must_use]
+    pub fn braking_state(&self, elapsed: f64) -> JointState {
+        let time = self.cycle as f64 * self.period + elapsed;
+        let (course, time) = match self.approach {
+            Some(approach) => (&self.previous, approach.previous_time + time),
+            None => (&self.course, time),
+        };
+        let state = course.state_at(&self.arm, time, &course.hint);
+        state.unwrap_or_else(|_| self.trace.state(self.period))
+    }
+
+    /// Returns the reason why the path cannot be followed to its end, once it is known; `None` otherwise.
     #[must_use]
     pub fn path_error(&self) -> Option<PathError> {
         self.course.table.error()
     }
 
-    /// Returns the place ahead for which the motion is slower than requested now: the slowest one that its brake reaches.
-    /// `None` if the requested speed is possible there.
+    /// Returns the slowest place within the braking distance ahead, if the motion must be slower there than requested;
+    /// `None` if the requested speed is possible.
     #[must_use]
     pub fn speed_limit(&self) -> Option<SpeedLimit> {
         let now = self.course.held.state_at(self.cycle as f64 * self.period).s;
@@ -243,27 +275,28 @@ impl MotionCore {
         nodes.map(Node::speed_limit).fold(None, slower)
     }
 
-    /// Returns the path parameter at which the motion ends: that of the end of the path, or a little before the place where
-    /// it cannot be followed.
+    /// Returns the position along the path (m; rad on a joint line) at which the motion ends: the end of the path, or a
+    /// point shortly before the place where it cannot be followed.
     #[must_use]
     pub fn goal(&self) -> f64 {
         self.course.table.goal()
     }
 
-    /// Returns the time at which the arm is on the path, s since the start of the motion.
+    /// Returns the time (s, since the start of the motion) from which the arm is on the path: all differences have
+    /// decayed.
     #[must_use]
     pub fn residual_end(&self) -> f64 {
         self.course.residual_end()
     }
 
-    /// Returns the greatest shares of the requested speed, acceleration and jerk that the tool has used on its way on to
-    /// the path so far; more than 1 where the connecting piece exceeds them.
+    /// Returns the maximum speed, acceleration and jerk of the tool on its way on to the path so far, each as a share
+    /// of the requested one; more than 1 if the tool exceeded it.
     #[must_use]
     pub fn tool_shares_on_entry(&self) -> [f64; 3] {
         self.trace.worst
     }
 
-    /// Returns the path of the motion.
+    /// Returns the path of the present motion.
     #[must_use]
     pub fn path(&self) -> &Path {
         self.course.path()
@@ -296,7 +329,8 @@ impl MotionCore {
         }
     }
 
-    /// Tries one better entry from the state of the arm now: the path stands so far.
+    /// Tries the next takeover of [`ATTEMPTS`] from the present state of the arm, which has not moved along the path so
+    /// far. If it keeps all limits, the motion follows it from now on, and no further one is tried.
     fn try_entry(&mut self, time: f64, controls: Controls) {
         let state = self.state_while_standing(time);
         let demand = self.demand(time, controls);
@@ -311,7 +345,8 @@ impl MotionCore {
         }
     }
 
-    /// State of the arm while the path parameter has not moved yet: the start of the path and the residual.
+    /// Returns the state of the arm at a time of the motion (s) before it moves along the path: the start of the path
+    /// plus the residual.
     fn state_while_standing(&self, time: f64) -> JointState {
         let mut state = JointState::at_rest(self.course.table.first_node().joints);
         for axis in 0..self.arm.axes() {

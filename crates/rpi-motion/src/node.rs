@@ -5,53 +5,55 @@ use crate::speed_limit::{SpeedBound, SpeedLimit, steady_speed};
 use crate::{Arm, Joints};
 use rpi_kin::state_to_rest::Bounds;
 
-/// Share of the limits of velocity and acceleration that a plan uses. The rest covers the bending of the path between
-/// samples of the verification (measured: at most 0.6 of 1 %).
+/// Share of the limits of velocity and acceleration of the axes that a plan uses. The rest covers deviations of the
+/// path between the samples of the verification (measured: at most 0.6 % of the limits).
 pub const USED_SHARE: f64 = 0.99;
 
-/// Share of the jerk limit that a plan uses (measured: at most 0.25 of 2 % are bending between samples).
+/// Share of the jerk limits of the axes that a plan uses. The rest covers deviations of the path between the samples of
+/// the verification (measured: at most 0.25 % of the limits).
 pub const USED_JERK_SHARE: f64 = 0.98;
 
-/// Share of the jerk limit that a plan on a spline uses: where two of its pieces meet, the third derivative of the way
-/// jumps, between two nodes (measured: 2.4 % beyond what the nodes show).
+/// Share of the jerk limits of the axes that a plan on a spline uses. Where two pieces of the spline meet between two
+/// nodes, its third derivative jumps (measured: 2.4 % beyond the values at the nodes).
 pub const USED_JERK_SHARE_ON_SPLINE: f64 = 0.93;
 
-/// Derivatives of the joints along the path at one place, and what they allow.
+/// Node of a path: a place with the derivatives of the joint positions, and the motion that the limits allow there.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Node {
-    /// Path parameter.
+    /// Position of the node along the path, from its start: m; rad on a line in joint space.
     pub s: f64,
-    /// Joints, rad.
+    /// Joint positions at the node, rad.
     pub joints: Joints,
-    /// First derivatives, rad per unit of the path parameter.
+    /// First derivatives of the joint positions with respect to the position along the path, rad/m (rad/rad on a joint
+    /// line).
     pub first: Joints,
-    /// Second derivatives of the joints with respect to the path parameter.
+    /// Second derivatives of the joints with respect to the path parameter, rad/m² (rad/rad² on a joint line).
     pub second: Joints,
-    /// Third derivatives of the joints with respect to the path parameter.
+    /// Third derivatives of the joints with respect to the path parameter, rad/m³ (rad/rad³ on a joint line).
     pub third: Joints,
-    /// Curvature of the way of the tool.
+    /// Curvature of the path of the tool at the node.
     pub curvature: Curvature,
-    /// Greatest distance at which the curvature is well known between two places.
+    /// Maximum distance between two nodes here for which the curvature is known well enough in between, m.
     pub resolution: f64,
-    /// Greatest velocity, acceleration and jerk of the path parameter here, each on its own.
+    /// Maximum velocity, acceleration and jerk along the path at the node, each without regard to the others.
     pub most: MostAllowed,
-    /// Bound that limits this velocity; `None` if it is the requested one.
+    /// Bound that limits the velocity along the path at the node; `None` if it is the requested velocity.
     pub speed_bound: Option<SpeedBound>,
 }
 
-/// Greatest velocity, acceleration and jerk of the path parameter.
+/// Maximum velocity, acceleration and jerk along a path that the limits allow.
 #[derive(Clone, Copy, Debug)]
 pub struct MostAllowed {
-    /// Greatest velocity of the path parameter.
+    /// Maximum velocity along the path, m/s; rad/s on a line in joint space.
     pub velocity: f64,
-    /// Greatest acceleration of the path parameter.
+    /// Maximum acceleration along the path, m/s²; rad/s² on a line in joint space.
     pub acceleration: f64,
-    /// Greatest jerk of the path parameter.
+    /// Maximum jerk along the path, m/s³; rad/s³ on a line in joint space.
     pub jerk: f64,
 }
 
 impl Node {
-    /// Returns the limit of the speed at the node, if it is lower than the requested one.
+    /// Returns the limit of the velocity at the node if it is lower than the requested velocity; `None` otherwise.
     #[must_use]
     pub fn speed_limit(&self) -> Option<SpeedLimit> {
         self.speed_bound.map(|bound| SpeedLimit {
@@ -73,7 +75,7 @@ impl Default for MostAllowed {
 }
 
 impl MostAllowed {
-    /// Returns the smaller of both in each entry.
+    /// Returns, for velocity, acceleration and jerk, the smaller one of both values.
     #[must_use]
     pub fn min(self, other: Self) -> Self {
         Self {
@@ -84,9 +86,9 @@ impl MostAllowed {
     }
 }
 
-/// Returns the velocity, acceleration and jerk of the path parameter that the axes and the requested bounds of the tool
-/// allow at a node, and the bound that limits the velocity; `None` if it is the requested one. `jerk_share` is the share of
-/// the jerk limits of the axes that is used.
+/// Returns the velocity, acceleration and jerk along the path that the axes and the requested bounds of the tool allow
+/// at a node, and the bound that limits the velocity; `None` if it is the requested velocity. `jerk_share` is the share
+/// of the jerk limits of the axes that may be used.
 pub(crate) fn bounds_at(
     arm: &Arm,
     node: &Node,
@@ -108,8 +110,8 @@ pub(crate) fn bounds_at(
     (most, bound)
 }
 
-/// Returns the shares of the acceleration and the jerk of the tool that a steady speed uses at a place with this
-/// curvature.
+/// Returns the acceleration and the jerk of the tool at a constant speed (m/s) on this curvature, as shares of the
+/// requested ones.
 pub(crate) fn tool_shares(requested: Bounds, curvature: Curvature, speed: f64) -> (f64, f64) {
     let Curvature { value, slope } = curvature;
     (

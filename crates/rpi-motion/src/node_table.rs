@@ -15,27 +15,30 @@ use alloc::vec;
 use rpi_kin::MAX_AXES;
 use rpi_kin::state_to_rest::Bounds;
 
-/// Table of the derivatives of the joints at places along the present path, as a ring buffer of nodes.
+/// Table of nodes, ahead of the motion along a path, as a ring buffer: places with the derivatives of the joint
+/// positions.
 #[derive(Clone, Debug)]
 pub struct NodeTable {
     ring: Box<[Node]>,
-    /// Number of the oldest node in the ring, followed by the number after the newest one.
+    /// Number of the oldest node in the ring, counted from the start of the path; the index is the remainder by the
+    /// size.
     oldest: usize,
     next: usize,
     path: JointPath,
     requested: Bounds,
     window: Window,
     error: Option<PathError>,
-    /// Share of the jerk limits of the axes that is used.
+    /// Share of the jerk limits of the axes that plans on this path use.
     jerk_share: f64,
 }
 
-/// Number of steps by which the arm angle is planned ahead when a path begins, and again for each node.
+/// Number of steps by which the arm angle (position of the elbow) is planned ahead when a path begins.
 const FIRST_LOOK: usize = 10;
+/// Number of steps by which the arm angle (position of the elbow) is planned ahead at each further node.
 const LOOK: usize = 1;
 
 impl NodeTable {
-    /// Creates an empty table for `capacity` nodes. Allocates.
+    /// Creates an empty table with memory for `capacity` nodes, at least 64. Allocates.
     #[must_use]
     pub fn with_capacity(capacity: usize) -> Self {
         let still = Path::joint_line(&[0.0; MAX_AXES], &[0.0; MAX_AXES], 0);
@@ -55,8 +58,8 @@ impl NodeTable {
         }
     }
 
-    /// Begins a path, and makes its first node; `start` are joints at its start, or near to them. `requested` are the bounds
-    /// of the tool along the path.
+    /// Replaces the path of the table and computes its first node. `start` are joint positions (rad) at the start of
+    /// the path, or near to them. `requested` are the bounds of the tool along the path.
     ///
     /// # Errors
     /// A [`PathError`] if the start of the path cannot be reached.
@@ -87,7 +90,7 @@ impl NodeTable {
         Ok(())
     }
 
-    /// Begins a path without length, on which the arm holds the joints `at`.
+    /// Replaces the path of the table by a path without length, on which the arm holds the joint positions `at` (rad).
     pub fn begin_hold(&mut self, arm: &Arm, at: &Joints) {
         (self.oldest, self.next) = (0, 0);
         self.error = None;
@@ -97,18 +100,18 @@ impl NodeTable {
         self.emit(arm);
     }
 
-    /// Returns the path of the table.
+    /// Returns the path whose nodes the table holds.
     #[must_use]
     pub fn path(&self) -> &Path {
         &self.path.path
     }
 
-    /// Returns the share of the jerk limits of the axes that a plan on this path uses.
+    /// Returns the share of the jerk limits of the axes that plans on this path use.
     pub(crate) fn jerk_share(&self) -> f64 {
         self.jerk_share
     }
 
-    /// Returns the path in joint space.
+    /// Returns the path of the table in joint space.
     pub(crate) fn joint_path(&self) -> &JointPath {
         &self.path
     }
@@ -119,17 +122,19 @@ impl NodeTable {
         self.requested
     }
 
-    /// Returns the end of the known part of the path: nothing may go beyond it.
+    /// Returns the position along the path (m; rad on a joint line) up to which nodes are known: no motion may go
+    /// beyond it.
     #[must_use]
     pub fn known_end(&self) -> f64 {
         self.newest().s.min(self.path().length())
     }
 
-    /// Returns the place that a motion shall reach: the end of the path, or a little before the place where it cannot be
-    /// followed.
+    /// Returns the position along the path (m; rad on a joint line) at which a motion must end: the end of the path, or
+    /// a point shortly before the place where it cannot be followed.
     #[must_use]
     pub fn goal(&self) -> f64 {
-        /// Distance before the known end, so that rounding does not lead beyond.
+        /// Distance (m) that a motion keeps from the end of the part of the path that can be followed, so that rounding
+        /// does not lead beyond it.
         const BEFORE: f64 = 1e-9;
         match self.error {
             Some(_) => (self.known_end() - BEFORE).max(0.0),
@@ -137,13 +142,13 @@ impl NodeTable {
         }
     }
 
-    /// Returns why the path cannot be followed beyond its known end.
+    /// Returns the reason why the path cannot be followed beyond the last node; `None` while there is none.
     #[must_use]
     pub fn error(&self) -> Option<PathError> {
         self.error
     }
 
-    /// Returns the oldest node that is kept.
+    /// Returns the oldest node in the table.
     #[must_use]
     pub fn first_node(&self) -> &Node {
         self.node(self.oldest)
@@ -161,7 +166,8 @@ impl NodeTable {
         self.next - self.oldest == self.ring.len()
     }
 
-    /// Makes up to `budget` further nodes; nodes before `behind` make room. Returns the number of nodes made.
+    /// Computes at most `budget` further nodes ahead. Nodes before the position `behind` along the path may be removed
+    /// for them. Returns the number of nodes computed.
     pub fn extend(&mut self, arm: &Arm, budget: usize, behind: f64) -> usize {
         let mut made = 0;
         while made < budget && self.error.is_none() && self.newest().s < self.path().length() {
@@ -182,15 +188,15 @@ impl NodeTable {
         made
     }
 
-    /// Returns the joints of the path at a place, near to `hint`.
+    /// Returns the joint positions (rad) of the path at the position `s` along it, near to `hint` (rad).
     ///
     /// # Errors
-    /// A [`PathError`] if there are none, or if they belong to another configuration.
+    /// A [`PathError`] if there are none, or if they belong to another configuration than `hint`.
     pub fn joints_at(&self, arm: &Arm, s: f64, hint: &Joints) -> Result<Joints, PathError> {
         self.path.joints_at(arm, s, hint)
     }
 
-    /// Appends the node at the centre of the window to the table.
+    /// Computes the node at the centre of the window (joint positions at equal distances) and appends it to the table.
     fn emit(&mut self, arm: &Arm) {
         let Window {
             joints: q,
@@ -224,8 +230,9 @@ impl NodeTable {
         self.next += 1;
     }
 
-    /// Returns the nodes before and after a place on the path, and its share of the way between them. `cursor` is the
-    /// number of a node near to it, and becomes that of the node before it.
+    /// Returns the nodes before and after the position `s` along the path, and the share (0 to 1) of the distance
+    /// between them at `s`. `cursor` is the number of a node near to `s`; it is set to the number of the node before
+    /// `s`.
     #[must_use]
     pub fn around(&self, s: f64, cursor: &mut usize) -> (&Node, &Node, f64) {
         let last = self.next.saturating_sub(2).max(self.oldest);
@@ -247,8 +254,9 @@ impl NodeTable {
         (one, other, share.clamp(0.0, 1.0))
     }
 
-    /// Returns where the next sample behind `from` belongs, at most at `to`: each node of a finer stretch is one, and so are
-    /// places on a curve at the distance of its resolution. `cursor` as in [`NodeTable::around`]; it stays at `from`.
+    /// Returns the position along the path of the next sample of a verification after `from`, at most `to`: the next
+    /// node of a finely spaced part, or the next place on a curve at the distance that its curvature needs. `cursor` is
+    /// as in [`NodeTable::around`]; it stays at `from`.
     #[must_use]
     pub fn next_sample(&self, from: f64, to: f64, cursor: &mut usize) -> f64 {
         let _ = self.around(from, cursor);
@@ -273,7 +281,8 @@ impl NodeTable {
         to
     }
 
-    /// Returns the nodes behind `from`, in order, up to the place `to`. `cursor` as in [`NodeTable::around`].
+    /// Returns the nodes after the position `from` along the path up to the position `to`, in order. `cursor` is as in
+    /// [`NodeTable::around`].
     pub fn nodes_between(
         &self,
         from: f64,
@@ -285,7 +294,7 @@ impl NodeTable {
         nodes.take_while(move |node| node.s <= to)
     }
 
-    /// Returns whether the path is curved somewhere in a stretch.
+    /// Returns true if the path is curved somewhere between two positions along it.
     #[must_use]
     pub fn is_curved_between(&self, from: f64, to: f64) -> bool {
         let mut cursor = 0;
@@ -296,7 +305,8 @@ impl NodeTable {
             .any(|node| node.curvature != Curvature::default())
     }
 
-    /// Returns the smallest bounds of the nodes around a stretch. `cursor` as in [`NodeTable::around`].
+    /// Returns the smallest velocity, acceleration and jerk allowed at the nodes from just before `from` to just after
+    /// `to`. `cursor` is as in [`NodeTable::around`].
     #[must_use]
     pub fn most_between(&self, from: f64, to: f64, cursor: &mut usize) -> MostAllowed {
         let _ = self.around(from, cursor);

@@ -2,21 +2,21 @@
 
 use rpi_kin::InverseKinematicsError;
 
-/// Error: the path cannot be followed at a place.
+/// Error: an arm cannot follow a path at some place.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct PathError {
-    /// Place of the error: path parameter, m (rad on a joint line).
+    /// Position along the path (path parameter) of the error, m (rad on a joint line).
     pub s: f64,
-    /// Reason of the error.
+    /// Reason why the arm cannot follow the path there.
     pub kind: PathErrorKind,
 }
 
 /// Reason why an arm cannot follow a path.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum PathErrorKind {
-    /// The inverse kinematics has no solution.
+    /// The inverse kinematics has no solution for a pose on the path, for example because it is out of reach.
     NoInverse(InverseKinematicsError),
-    /// The arm would have to change its configuration: an axis would jump.
+    /// The arm would have to change its configuration at this place: an axis would jump.
     ConfigurationChange {
         /// Axis that would jump, counted from 0.
         axis: usize,
@@ -26,10 +26,10 @@ pub enum PathErrorKind {
         /// Axis outside its range, counted from 0.
         axis: usize,
     },
-    /// The path is too near to a singularity, or the range of the elbow makes a kink: the derivatives of the joints
-    /// cannot be resolved.
+    /// The derivatives of the joint positions cannot be computed, because the path is too near to a singularity or a
+    /// range limits the arm angle (position of the elbow) abruptly.
     Unresolved,
-    /// The path has no length.
+    /// Start and end of the path coincide, and there is no rotation between them.
     NoLength,
 }
 

@@ -7,19 +7,23 @@ use crate::{Arm, JointState, Joints};
 use rpi_kin::stop_profile::{StopProfile, VelocityState};
 use rpi_kin::{AxisLimits, MAX_AXES};
 
-/// Share of the limits of the axes with which the arm stops: that of the takeover, which then need not swing back.
+/// Share of the limits of the axes with which the arm is assumed to stop. It is that of the takeover, so that the arm
+/// need not swing back.
 const GENTLE: f64 = 0.5;
 
-/// Step from the start of a path to the place that shows its direction, as a share of its length, and the largest one.
+/// Distance from the start of a path to the place with which its direction in joint space is computed, as a share of
+/// the length of the path.
 const STEP: f64 = 1e-3;
+/// Maximum distance from the start of a path to the place with which its direction in joint space is computed, m.
 const LONGEST_STEP: f64 = 1e-4;
 
-/// Returns joints (rad) at which a path from here to somewhere should begin, for an arm in a state: where the arm comes
-/// to rest after the takeover, so that it need not swing back. `path` is the path from the present position. The part
-/// of the velocity along it goes on and is not stopped; at rest, the start is the present position itself.
+/// Returns the joint positions (rad) at which a path to a new goal should begin for an arm in the state `state`: where
+/// the arm comes to rest after the takeover, so that it need not swing back. `path` is the path from the present
+/// position; the velocity along it continues and is not stopped. For an arm at rest, the result is its present
+/// position.
 ///
-/// Each axis stops with half of its limits, or with all of them where it would leave its range otherwise. The joints
-/// lie within the ranges, or no farther out than the present ones.
+/// Each axis stops with half of its limits, or with all of them if it would otherwise leave its range. The joint
+/// positions lie within the ranges, or no farther out than the present ones.
 #[must_use]
 pub fn path_start(arm: &Arm, state: &JointState, path: &Path) -> Joints {
     let direction = direction(arm, path, &state.position).unwrap_or_default();
@@ -45,7 +49,7 @@ pub fn path_start(arm: &Arm, state: &JointState, path: &Path) -> Joints {
     start
 }
 
-/// Way until one axis is at rest with a share of its limits, rad.
+/// Returns the signed distance (rad) until an axis is at rest, if it stops with the share `share` of its limits.
 fn stopping_way(velocity: f64, acceleration: f64, limits: &AxisLimits, share: f64) -> f64 {
     let from = VelocityState {
         velocity,
@@ -55,7 +59,8 @@ fn stopping_way(velocity: f64, acceleration: f64, limits: &AxisLimits, share: f6
     stop.map_or(0.0, |stop| stop.distance())
 }
 
-/// Derivative of the joints at the start of a path, per unit of its parameter.
+/// Returns the derivative of the joint positions with respect to the path parameter at the start of a path; `None` if
+/// it cannot be computed.
 fn direction(arm: &Arm, path: &Path, start: &Joints) -> Option<Joints> {
     let step = (STEP * path.length()).min(LONGEST_STEP);
     let joint_path = JointPath::new(arm, *path, start);
@@ -64,8 +69,8 @@ fn direction(arm: &Arm, path: &Path, start: &Joints) -> Option<Joints> {
     (step > 0.0).then(|| core::array::from_fn(|axis| (next[axis] - first[axis]) / step))
 }
 
-/// Share of a direction that fits best to velocities of the axes: least squares, weighted by the velocity limits. 0 if
-/// there is no direction.
+/// Returns the factor for `direction` that fits best to `values`, velocities or accelerations of the axes: least
+/// squares, weighted by the velocity limits. 0 if `direction` is zero.
 fn share_along(arm: &Arm, values: &Joints, direction: &Joints) -> f64 {
     let weighted = |of: &Joints| {
         let axes = arm.limits().iter().enumerate();

@@ -7,21 +7,21 @@ use crate::verify::{SAMPLES_PER_CYCLE, Verifier};
 use rpi_kin::state_to_rest::{Bounds, StateToRestProfile};
 use rpi_kin::stop_profile::{StopProfile, VelocityState};
 
-/// Shares of the greatest acceleration and jerk with which plans are tried, from fast to slow.
+/// Shares of the maximum acceleration and jerk along the path with which plans are tried, from fast to slow.
 pub(crate) const SHARES: [f64; 5] = [1.0, 0.7, 0.45, 0.25, 0.1];
 
-/// Share of the bounds of a piece that its brake uses where the path is curved: there, the jerk of the tool across the
-/// path needs a part of the whole.
+/// Share of the acceleration and jerk of a plan that its stop uses where the path is curved: there, a part of the jerk
+/// of the tool is needed across the path.
 const BRAKE_ON_CURVE: f64 = 0.6;
 
-/// Share of the lowest speed ahead that is tried where the speed itself is too high.
+/// Share of the lowest allowed speed ahead with which a plan is tried if plans with the speed itself fail.
 const SLOWER: f64 = 0.4;
 
-/// Share of the bounds of the tool that a steady speed uses at most where braking can begin: on a curve that is passed at its own
-/// speed, no jerk is left for it.
+/// Share of the requested acceleration and jerk of the tool that a constant speed may use at a place where braking
+/// begins. On a curve that is passed at its own maximum speed, no jerk is left for braking.
 const FREE: f64 = 0.35;
 
-/// Distance up to which a curve counts, as a multiple of the braking distance.
+/// Multiple of the braking distance up to which a curve ahead counts as near, without unit.
 const NOT_FAR: f64 = 3.0;
 
 /// Rule for the target speed of a candidate plan.
@@ -30,17 +30,18 @@ enum Speed {
     Near,
     Far,
     BelowFar,
-    /// That of the tightest curve ahead; the brake begins only behind it, or (1) behind the next one.
+    /// Speed of the tightest curve ahead. The stop begins only behind this curve (0), or behind the next one (1).
     Through(usize),
 }
 
-/// Candidate plan for the next stretch of time: how fast it may be, and how it brakes.
+/// Candidate for the plan of the next 16 ms: how fast it may be, and how it stops.
 #[derive(Clone, Copy, Debug)]
 struct Candidate {
-    /// Number of steps in [`SHARES`] by which the candidate is slower than the first one.
+    /// Number of steps in [`SHARES`] by which the candidate is slower than the first candidate.
     slower_by: usize,
     speed: Speed,
-    /// Share of the bounds of the plan that its braking uses; behind a curve, of those of the path.
+    /// Share of the acceleration and jerk of the plan that the stop uses; for a stop behind a curve, share of those
+    /// that the path allows.
     brake: f64,
 }
 
@@ -80,38 +81,40 @@ const CANDIDATES: [Candidate; 24] = [
     candidate(4, Speed::Near, 1.0),
 ];
 
-/// Limits of a plan that depend on the command: speed and use of the bounds of the tool.
+/// Limits of a plan that depend on the request and the situation: maximum speed, and use of the bounds of the tool.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Demand {
-    /// Maximum velocity of the path parameter, in its unit per second.
+    /// Maximum velocity along the path, m/s (rad/s on a joint line).
     pub speed: f64,
-    /// Share of the bounds of the tool that the path parameter may use while a residual uses the rest.
+    /// Share of the requested acceleration and jerk of the tool that the motion along the path may use; a residual
+    /// (decaying difference between arm and path) uses the rest.
     pub tool_share: f64,
 }
 
-/// Planner of the time law. It remembers the share of [`SHARES`] that was accepted last, so that the next plan begins
-/// near to it.
+/// Planner of the time law along a path. It stores which of the [`SHARES`] was accepted last, so that the next plan
+/// begins near to it.
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct Planner {
     pub last_share: usize,
 }
 
-/// What the path allows ahead of a plan.
+/// Speeds that the path allows within a stretch ahead of the motion.
 struct Ahead {
-    /// Path parameter now, and the length of the stretch ahead that counts.
+    /// Position along the path (path parameter) at the start of the stretch, m (rad on a joint line).
     from: f64,
+    /// Length of the stretch, m (rad on a joint line).
     length: f64,
     near: MostAllowed,
     far: MostAllowed,
-    /// Smaller of both in acceleration and jerk.
+    /// Smaller one of `near` and `far`, for acceleration and jerk.
     most: MostAllowed,
     curved: bool,
     tight: Option<TightCurve>,
 }
 
 impl Ahead {
-    /// Looks at the path up to a little more than the present brake needs (to `held_end`), so that a law from rest sees
-    /// the next nodes, too.
+    /// Examines the path from `from` to a little beyond `held_end`, where the present time law comes to rest, so that a
+    /// motion from rest sees the next nodes, too.
     fn new(table: &NodeTable, from: f64, held_end: f64, demand: Demand) -> Self {
         let length = held_end - from + 0.004f64.min(table.goal() / 16.0);
         let near = allowed(table, from, 0.5 * length, demand);
@@ -134,7 +137,8 @@ impl Ahead {
         }
     }
 
-    /// Returns the bounds of a candidate plan, and the place before which its brake must not begin.
+    /// Returns the bounds of a candidate plan with the share `share` of acceleration and jerk, and the position along
+    /// the path before which its stop must not begin. `None` if the candidate does not apply to this path.
     fn bounds(&self, candidate: &Candidate, share: f64) -> Option<(Bounds, f64)> {
         let (speed, behind) = match candidate.speed {
             Speed::Near => (self.near.velocity, self.from),
@@ -153,8 +157,8 @@ impl Ahead {
         (candidate.brake >= 1.0 || self.curved).then_some((bounds, behind))
     }
 
-    /// Returns acceleration and jerk of the brake of a candidate plan. Behind a curve, they do not depend on those of the
-    /// plan on it.
+    /// Returns the acceleration and jerk with which a candidate plan stops. Behind a curve, they do not depend on the
+    /// bounds of the plan on the curve.
     fn brake(&self, candidate: &Candidate, plan: &Bounds) -> (f64, f64) {
         let (acceleration, jerk) = match candidate.speed {
             Speed::Through(_) => (self.most.acceleration, self.most.jerk),
@@ -163,11 +167,12 @@ impl Ahead {
         (candidate.brake * acceleration, candidate.brake * jerk)
     }
 
-    /// Returns whether the time law can slow down to the speed of each place ahead before it is there. A stop alone would
-    /// end there in time, too, but too late to pass at that speed: its acceleration must have decayed when the place
-    /// begins.
+    /// Returns true if the motion can slow down to the speed of each place ahead before it reaches the place, once the
+    /// stop of the time law begins. The stop alone would come to rest in time, too, but would pass such a place too
+    /// fast.
     fn slows_down_in_time(&self, table: &NodeTable, law: &HeldBrake, bounds: Bounds) -> bool {
-        /// Ratio of the speeds of two successive places that are checked: only slower places count, not each node.
+        /// Ratio of the allowed speeds of two successive places to check: only places that are slower by this ratio
+        /// count.
         const STEP: f64 = 0.9;
         let turn = law.turn;
         let is_in_time = |speed: f64, place: f64| {
@@ -196,8 +201,9 @@ impl Ahead {
 }
 
 impl Planner {
-    /// Returns the fastest time law from `now` on that is verified, or `None` if the budget of checks is used up; the
-    /// law in force must then be kept. `held_end` is the path parameter at which the law in force comes to rest.
+    /// Returns the fastest verified time law from the state `now` at `time` (s) on; `None` if no candidate passes with
+    /// the samples of one cycle, so that the present law must continue. `held_end` is the position along the path at
+    /// which the present law comes to rest.
     pub(crate) fn plan(
         &mut self,
         verifier: &Verifier<'_>,
@@ -236,7 +242,8 @@ impl Planner {
     }
 }
 
-/// Bounds of the path parameter for a stretch of the path.
+/// Returns the maximum velocity, acceleration and jerk along the path for the stretch of length `ahead` from the
+/// position `s` on.
 pub(crate) fn allowed(table: &NodeTable, s: f64, ahead: f64, demand: Demand) -> MostAllowed {
     let mut cursor = 0;
     let most = table.most_between(s, s + ahead, &mut cursor);
@@ -250,22 +257,23 @@ pub(crate) fn allowed(table: &NodeTable, s: f64, ahead: f64, demand: Demand) -> 
     }
 }
 
-/// Curve ahead on which the tool has no jerk left for braking.
+/// Part of the path ahead that is so curved that the tool has no jerk left for braking on it.
 #[derive(Clone, Copy, Debug)]
 struct TightCurve {
-    /// Greatest speed on it.
+    /// Maximum speed of the tool along the whole curve, m/s.
     speed: f64,
-    /// Greatest speed on the part of it that is not far.
+    /// Maximum speed of the tool along the part of the curve within a few braking distances ([`NOT_FAR`]), m/s.
     near_speed: f64,
-    /// Place where it begins.
+    /// Position along the path (path parameter) at which the curve begins, m.
     begin: f64,
-    /// First place behind it where the tool can brake, and the same behind the next tight curve if that is near.
+    /// Positions along the path of the first place where the tool can brake again: behind this curve, and behind the
+    /// next tight curve; `None` if there is none near enough.
     behind: [Option<f64>; 2],
 }
 
 impl TightCurve {
-    /// Finds the tightest curve within `ahead` of the place `s`, at a speed of at most `speed`; the next one counts up
-    /// to the same distance behind it.
+    /// Finds the tightest curve within the distance `ahead` of the position `s`, for a speed of at most `speed`. The
+    /// next tight curve counts if it begins within the same distance behind it. `None` if there is no tight curve.
     fn find(table: &NodeTable, s: f64, ahead: f64, speed: f64) -> Option<Self> {
         let mut cursor = 0;
         let mut curve = Self {
@@ -318,7 +326,8 @@ impl TightCurve {
     }
 }
 
-/// Distance in which the path parameter comes from a state to a speed without acceleration.
+/// Returns the distance (m; rad on a joint line) in which a motion along the path changes from the state `from` to the
+/// constant velocity `speed` within `bounds`; `None` if a number is not usable.
 fn slowing_distance(from: &PathState, speed: f64, bounds: Bounds) -> Option<f64> {
     let change = VelocityState {
         velocity: from.velocity - speed,

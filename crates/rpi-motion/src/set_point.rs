@@ -9,7 +9,7 @@ use crate::time_law::PathState;
 pub struct Controls {
     /// Share of the requested speed, from 0 to 1; 0 pauses.
     pub speed_share: f64,
-    /// Whether the arm comes to rest on the path and stays there until this is false again.
+    /// True while the motion pauses: the arm comes to rest on the path and stays there.
     pub paused: bool,
 }
 
@@ -25,7 +25,7 @@ impl Default for Controls {
 /// Reason why a motion cannot begin or continue.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum MotionError {
-    /// The path cannot be followed from some place on. The arm comes to rest before it.
+    /// The path cannot be followed beyond some place. The arm comes to rest before it.
     Path(PathError),
     /// A bound, a pose or a state is not finite, or a bound is not positive.
     NotFinite,
@@ -50,25 +50,26 @@ impl From<PathError> for MotionError {
     }
 }
 
-/// Set-point of one cycle.
+/// Set-point of one cycle of a motion along a path.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SetPoint {
-    /// Joints, rad.
+    /// Positions of the axes, rad.
     pub joints: Joints,
-    /// Path parameter with its derivatives.
+    /// Position along the path (path parameter), with velocity and acceleration.
     pub path: PathState,
-    /// Whether the arm is on the path: the residual has decayed.
+    /// True if the arm is on the path: its differences from the path after the takeover have decayed.
     pub on_path: bool,
-    /// Whether the arm rests at the end of the path.
+    /// True if the arm rests at the end of the path.
     pub done: bool,
 }
 
-/// How an arm comes from its present motion on to the next path.
+/// Way in which an arm comes from its present motion on to the next path.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum EntryPreference {
-    /// Within the requested bounds of the tool, if the limits of the axes allow it; else as [`EntryPreference::Shortest`].
+    /// The tool keeps the requested bounds during the takeover, if the limits of the axes allow it; otherwise as
+    /// [`EntryPreference::Shortest`].
     #[default]
     WithinToolBounds,
-    /// As fast as the limits of the axes allow, whatever the tool does.
+    /// The takeover is as fast as the limits of the axes allow; meanwhile, the tool may exceed its requested bounds.
     Shortest,
 }

@@ -5,38 +5,38 @@ use crate::node::{Node, USED_SHARE};
 use crate::path::Curvature;
 use rpi_kin::state_to_rest::Bounds;
 
-/// Bound that limits the speed at a place of a path.
+/// Bound that limits the speed at a place on a path.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum SpeedBound {
     /// The requested acceleration of the tool: the path is curved.
     ToolAcceleration,
     /// The requested jerk of the tool: the curvature is large or changes fast.
     ToolJerk,
-    /// The velocity limit of an axis.
+    /// The velocity limit of an axis of the arm.
     AxisVelocity {
         /// Number of the axis, from 0.
         axis: usize,
     },
-    /// The acceleration limit of an axis.
+    /// The acceleration limit of an axis of the arm.
     AxisAcceleration {
         /// Number of the axis, from 0.
         axis: usize,
     },
-    /// The jerk limit of an axis.
+    /// The jerk limit of an axis of the arm.
     AxisJerk {
         /// Number of the axis, from 0.
         axis: usize,
     },
 }
 
-/// Place at which a path is followed more slowly than requested.
+/// Place on a path at which the motion must be slower than requested.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SpeedLimit {
-    /// Path parameter of the place, m (rad on a joint line).
+    /// Position of the place along the path (path parameter), m (rad on a joint line).
     pub s: f64,
-    /// Greatest steady velocity of the path parameter there, in its unit per second.
+    /// Maximum constant velocity along the path at the place, m/s (rad/s on a joint line).
     pub velocity: f64,
-    /// Bound that allows no more.
+    /// Bound that does not allow a higher velocity.
     pub bound: SpeedBound,
 }
 
@@ -62,7 +62,7 @@ impl core::fmt::Display for SpeedLimit {
     }
 }
 
-/// Returns the lower limit of both; the first one if they are equal.
+/// Returns the limit with the lower velocity; the first one if the velocities are equal. `None` stands for no limit.
 pub(crate) fn slower(one: Option<SpeedLimit>, other: Option<SpeedLimit>) -> Option<SpeedLimit> {
     match (one, other) {
         (Some(first), Some(second)) if second.velocity < first.velocity => other,
@@ -71,17 +71,20 @@ pub(crate) fn slower(one: Option<SpeedLimit>, other: Option<SpeedLimit>) -> Opti
     }
 }
 
-/// Share of its own bounds that a steady speed on a curve uses.
+/// Share of the requested acceleration or jerk of the tool that a constant speed on a curve uses at most.
 const STEADY: f64 = 0.985;
 
-/// Shares of the acceleration and the jerk of an axis that a steady speed uses; the rest remains for the acceleration
-/// and the jerk of the path parameter.
+/// Share of the acceleration limit of an axis that a constant speed along the path uses at most. The rest remains for
+/// speeding up and braking.
 const STEADY_ACCELERATION: f64 = 0.7;
+/// Share of the jerk limit of an axis that a constant speed along the path uses at most. The rest remains for speeding
+/// up and braking.
 const STEADY_JERK: f64 = 0.6;
 
-/// Returns the greatest steady velocity of the path parameter at a node, and the bound for it; `None` if it is the
-/// requested one. At a steady speed, the acceleration of the tool is k v² and its jerk hypot(k', k²) v³; the
-/// verification looks at both together with those along the path.
+/// Returns the maximum constant velocity along the path at a node, and the bound that limits it; `None` if it is the
+/// requested velocity. At a constant velocity v, the acceleration of the tool is k v² and its jerk hypot(k', k²) v³,
+/// with the curvature k and its derivative k'. The verification checks them together with the acceleration and jerk
+/// along the path.
 pub(crate) fn steady_speed(arm: &Arm, node: &Node, requested: Bounds) -> (f64, Option<SpeedBound>) {
     let Curvature { value, slope } = node.curvature;
     let turning = libm::hypot(slope, value * value).max(1e-9);

@@ -3,26 +3,26 @@
 use rpi_kin::state_to_rest::{AxisState, StateToRestProfile};
 use rpi_kin::stop_profile::{JerkPhase, StopProfile, VelocityState};
 
-/// Duration for which a plan is followed before its stop begins, s. It is planned anew every [`REPLAN_PERIOD`]; the
-/// rest is a reserve, so that a plan that fails does not slow the motion at once.
+/// Time for which a plan is followed before its stop begins, s. A new plan is made every [`REPLAN_PERIOD`]; the rest is
+/// a reserve, so that a plan that fails does not slow the motion at once.
 pub const PIECE: f64 = 16e-3;
 
 /// Time between two plans, s.
 pub const REPLAN_PERIOD: f64 = 4e-3;
 
-/// State of the path parameter: position along the path with first and second derivative by time.
+/// State of a motion along a path: position along the path, with its first and second derivatives with respect to time.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct PathState {
-    /// Path parameter, m (rad on a joint line).
+    /// Position along the path (path parameter), m (rad on a joint line).
     pub s: f64,
-    /// Velocity of the path parameter.
+    /// Velocity along the path, m/s; rad/s on a line in joint space.
     pub velocity: f64,
-    /// Second derivative of the path parameter by time.
+    /// Acceleration along the path, m/s²; rad/s² on a line in joint space.
     pub acceleration: f64,
 }
 
 impl PathState {
-    /// Returns the state `time` seconds later under a constant `jerk`.
+    /// Returns the state `time` seconds later under a constant `jerk` along the path.
     #[must_use]
     pub fn advanced(self, time: f64, jerk: f64) -> Self {
         AxisState::from(self).advanced(time, jerk).into()
@@ -49,26 +49,27 @@ impl From<PathState> for AxisState {
     }
 }
 
-/// Time law that ends at rest on the path: up to [`PIECE`] seconds of a plan, then a stop. It can be followed to its
-/// end if no further plan succeeds.
+/// Time law along a path that ends at rest: some time of a plan (usually [`PIECE`] seconds), then a stop. The motion
+/// can follow it to its end if no further plan succeeds.
 #[derive(Clone, Copy, Debug)]
 pub struct HeldBrake {
-    /// Time of the motion at which it starts, s.
+    /// Time since the start of the motion at which this time law begins, s.
     pub start_time: f64,
-    /// Position, speed and acceleration along the path at `start_time`.
+    /// Position, velocity and acceleration along the path at `start_time`.
     pub start: PathState,
-    /// Plan that is followed first; `None` if the stop begins at once.
+    /// Plan that the motion follows first; `None` if the stop begins at once.
     pub piece: Option<StateToRestProfile>,
-    /// Duration for which the plan is followed, s; 0 without one.
+    /// Time for which the plan is followed, s; 0 without a plan.
     pub piece_time: f64,
-    /// State of the path parameter where the stop begins.
+    /// State of the motion along the path where the stop begins.
     pub turn: PathState,
     /// Stop at the end of the time law.
     pub stop: StopProfile,
 }
 
 impl HeldBrake {
-    /// Creates the law that stands at the place `s`.
+    /// Creates the time law that rests at the position `s` along the path from the time `start_time` of the motion (s)
+    /// on.
     #[must_use]
     pub fn standing(s: f64, start_time: f64) -> Self {
         let at = PathState {
@@ -85,8 +86,8 @@ impl HeldBrake {
         }
     }
 
-    /// Creates the law that stops at once, with maximum magnitudes of acceleration and jerk. `None` if a number is not
-    /// finite.
+    /// Creates the time law that stops at once from the state `from`, with these maximum magnitudes of acceleration and
+    /// jerk along the path. `None` if a number is not finite.
     #[must_use]
     pub fn stopping(
         from: PathState,
@@ -105,8 +106,9 @@ impl HeldBrake {
         })
     }
 
-    /// Creates the law that follows `plan` for [`PIECE`] seconds, and at least to the place `behind`, and then stops with
-    /// maximum magnitudes of acceleration and jerk. `None` if the plan goes backwards there, or a number is not finite.
+    /// Creates the time law that follows `plan` for [`PIECE`] seconds, and at least to the position `behind` along the
+    /// path, and then stops with the acceleration and jerk in `brake`. `None` if the plan moves backwards there, or a
+    /// number is not finite.
     #[must_use]
     pub fn following(
         plan: StateToRestProfile,
@@ -118,7 +120,8 @@ impl HeldBrake {
         Self::lasting(plan, start_time, piece_time, brake)
     }
 
-    /// As [`HeldBrake::following`], but the plan is followed for `piece_time` seconds.
+    /// Creates the time law that follows `plan` for `piece_time` seconds and then stops with these maximum magnitudes
+    /// of acceleration and jerk. `None` if the plan moves backwards there, or a number is not finite.
     #[must_use]
     pub fn lasting(
         plan: StateToRestProfile,
@@ -140,7 +143,7 @@ impl HeldBrake {
         })
     }
 
-    /// Returns the stop behind the plan, as a law of its own; `None` if the plan goes backwards in between.
+    /// Returns the stop after the plan as a time law of its own; `None` if the plan leads backwards.
     #[must_use]
     pub fn behind_piece(&self) -> Option<Self> {
         (self.turn.s >= self.start.s).then_some(Self {
@@ -152,7 +155,7 @@ impl HeldBrake {
         })
     }
 
-    /// Returns the state at a time of the motion, s; after the end, the state at rest.
+    /// Returns the state along the path at a time of the motion (s); after the end, the state at rest.
     #[must_use]
     pub fn state_at(&self, time: f64) -> PathState {
         let elapsed = time - self.start_time;
@@ -176,13 +179,13 @@ impl HeldBrake {
         state
     }
 
-    /// Returns the path parameter at rest.
+    /// Returns the position along the path at which the time law comes to rest.
     #[must_use]
     pub fn end(&self) -> f64 {
         self.turn.s + self.stop.distance()
     }
 
-    /// Returns the phases of constant jerk of the whole law, in order: those of the piece, cut to its duration, then
+    /// Returns the phases of constant jerk of the whole time law in order: those of the plan, cut to its time, then
     /// those of the stop.
     pub fn phases(&self) -> impl Iterator<Item = JerkPhase> + '_ {
         let mut left = self.piece_time;
@@ -196,9 +199,10 @@ impl HeldBrake {
     }
 }
 
-/// Time at which a plan that does not go backwards comes to a place, s; its duration if the place is its end or beyond.
+/// Returns the time (s, since the start of the plan) at which a plan that does not move backwards reaches the position
+/// `place` along the path; the duration of the plan if `place` is its end or beyond.
 fn time_at(plan: &StateToRestProfile, place: f64) -> f64 {
-    /// Halvings of the interval: the time need not be exact.
+    /// Number of times that the interval that contains the time is halved: the time need not be exact.
     const STEPS: u32 = 20;
     if plan.start().position >= place {
         return 0.0;

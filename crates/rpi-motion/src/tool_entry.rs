@@ -4,7 +4,6 @@
 //! from the residual of the tool and the path, some in each cycle; their differences must keep the limits of the axes,
 //! and those of the tool its bounds.
 
-use crate::course::state_of;
 use crate::entry::along_path;
 use crate::node_table::NodeTable;
 use crate::path::Path;
@@ -20,36 +19,40 @@ use rpi_kin::angle::nearest_turn;
 use rpi_kin::state_to_rest::{Bounds, StateToRestProfile};
 use rpi_kin::{MAX_AXES, Range};
 
-/// Greatest number of inverses of the verification in a cycle.
+/// Maximum number of inverse kinematics that the verification computes in a cycle.
 pub(crate) const INVERSES_PER_CYCLE: usize = 80;
 
-/// Share of the bounds of the tool for the path parameter until the tool is on the path.
+/// Share of the requested acceleration and jerk of the tool that the motion along the path uses until the tool is on
+/// the path.
 const LAW: f64 = 0.5;
 
-/// Share of the limits of the axes that the set-points may use.
+/// Share of the limits of the axes that the set-points of a takeover may use.
 const USED: f64 = 0.98;
 
-/// Greatest share of the bounds of the tool, and what rounding adds.
+/// Maximum speed, acceleration and jerk of the tool during a takeover, as shares of the requested ones; the 0.2 %
+/// beyond 1 are for rounding.
 const TOOL: f64 = 1.002;
 
-/// Step of the differences at the start, s.
+/// Time step of the finite differences that give velocity and acceleration of the difference between tool and path at
+/// the start of a takeover, s.
 const STEP: f64 = 1e-4;
 
-/// A takeover within the bounds of the tool that is being verified.
+/// Takeover on to a path within the requested bounds of the tool, which is verified over several cycles.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct ToolEntry {
     pub residual: ToolResidual,
     pub law: HeldBrake,
     start_time: f64,
-    /// Period of the set-points, s; number of set-points until the tool is on the path, and of those that are verified.
+    /// Period of the set-points, s.
     period: f64,
+    /// Number of set-points until the tool is on the path.
     count: usize,
     done: usize,
     last: [Joints; 4],
     places: [Vector3<f64>; 4],
 }
 
-/// Result of a step of the verification.
+/// Result of one cycle of the verification of a takeover.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Verification {
     Running,
@@ -57,7 +60,7 @@ pub(crate) enum Verification {
     Rejected,
 }
 
-/// What a takeover is planned for: arm, path, ranges and the command.
+/// Situation in which a takeover is planned: arm, path, ranges of the axes, limits of the request, and period (s).
 #[derive(Clone, Copy)]
 pub(crate) struct Situation<'a> {
     pub arm: &'a Arm,
@@ -68,15 +71,20 @@ pub(crate) struct Situation<'a> {
 }
 
 impl ToolEntry {
-    /// Plans the takeover at a time (s) from the last set-points up to it.
-    pub(crate) fn plan(of: &Situation<'_>, time: f64, last: [Joints; 4]) -> Option<Self> {
-        let state = state_of(&last, of.period);
+    /// Plans the takeover that begins at the time `time` of the motion (s), from the state of the arm and the last four
+    /// set-points then. `None` if there is none.
+    pub(crate) fn plan(
+        of: &Situation<'_>,
+        time: f64,
+        state: &JointState,
+        last: [Joints; 4],
+    ) -> Option<Self> {
         let requested = of.table.requested();
         let most = allowed(of.table, 0.0, 0.0, of.demand);
         let mut start = along_path(
             of.arm,
             of.table.first_node(),
-            &state,
+            state,
             most,
             of.demand,
             requested,
@@ -89,7 +97,7 @@ impl ToolEntry {
             // The path parameter would go backwards.
             start.acceleration = 0.0;
         }
-        let differences = differences(of, &state, start)?;
+        let differences = differences(of, state, start)?;
         let residual = ToolResidual::new(&differences, STEP, time, requested)?;
         let periods = libm::ceil((residual.end() - time) / of.period) as usize + 4;
         let law = law(of, start, &residual, time)?;
@@ -105,12 +113,12 @@ impl ToolEntry {
         })
     }
 
-    /// Returns the number of cycles that the verification takes.
+    /// Returns the number of cycles that the whole verification takes.
     pub(crate) fn cycles(&self) -> u64 {
         self.count.div_ceil(INVERSES_PER_CYCLE) as u64
     }
 
-    /// Verifies the next set-points, at most [`INVERSES_PER_CYCLE`].
+    /// Verifies the next set-points of the takeover, at most [`INVERSES_PER_CYCLE`].
     pub(crate) fn verify(&mut self, of: &Situation<'_>) -> Verification {
         for _ in 0..INVERSES_PER_CYCLE {
             if self.done == self.count {
@@ -124,7 +132,7 @@ impl ToolEntry {
         Verification::Running
     }
 
-    /// Verifies the next set-point; `None` if it has no inverse or is not within the bounds.
+    /// Verifies the next set-point; `None` if it has no inverse kinematics or exceeds a limit.
     fn next_set_point(&mut self, of: &Situation<'_>) -> Option<()> {
         let time = self.start_time + self.done as f64 * self.period;
         let (joint_path, Path::Tool(path)) = (of.table.joint_path(), of.table.path()) else {
@@ -134,8 +142,8 @@ impl ToolEntry {
         if velocity < -1e-9 || !joint_path.has_free_arm_angle(s) {
             return None;
         }
-        let pose = self.residual.displaced(&path.pose(s), time);
-        let angle = self.residual.arm_angle_at(time);
+        let pose = self.residual.displaced(&path.pose(s), time, 0.0);
+        let angle = self.residual.arm_angle_at(time, 0.0);
         let joints = joint_path.displaced_joints(of.arm, s, &pose, angle, &self.last[3])?;
         self.last.rotate_left(1);
         self.last[3] = joints;
@@ -169,8 +177,8 @@ impl ToolEntry {
     }
 }
 
-/// Returns the shares of the requested speed, acceleration and jerk that the last four places of the tool, `width` seconds
-/// apart, have used.
+/// Returns speed, acceleration and jerk of the tool, as shares of the requested ones, from its last four positions (m),
+/// which are `width` seconds apart.
 pub(crate) fn tool_shares(places: &[Vector3<f64>; 4], width: f64, requested: Bounds) -> [f64; 3] {
     let [a, b, c, d] = places;
     let length = |way: Vector3<f64>| libm::sqrt(way.norm_squared());
@@ -181,7 +189,8 @@ pub(crate) fn tool_shares(places: &[Vector3<f64>; 4], width: f64, requested: Bou
     ]
 }
 
-/// Differences between the tool and the path one step before the takeover, then, and one step after it.
+/// Returns the differences between tool and path one time step before the beginning of the takeover, at it, and one
+/// step after it. `None` if the path is not a path of the tool.
 fn differences(
     of: &Situation<'_>,
     state: &JointState,
@@ -212,17 +221,18 @@ fn differences(
     Some([at(-STEP), at(0.0), at(STEP)])
 }
 
-/// Law of the path parameter until the tool is on the path, and the stop behind it, which has been verified. What the
-/// displacement needs of the requested speed is left to it. The law ends at rest where the path is known now; it is planned
-/// anew as soon as the tool is on the path.
+/// Plans the time law along the path until the tool is on the path, with a verified stop after it. It may use the part
+/// of the requested speed that the decaying displacement does not need. The law ends at the end of the known part of
+/// the path; it is planned again as soon as the tool is on the path. `None` if no stop passes the verification.
 fn law(
     of: &Situation<'_>,
     start: PathState,
     residual: &ToolResidual,
     time: f64,
 ) -> Option<HeldBrake> {
-    /// Shares of the speed that are tried, and number of samples of the speed of the displacement.
+    /// Shares of the available speed with which the time law is tried, in this order.
     const SPEEDS: [f64; 4] = [1.0, 0.6, 0.3, 0.1];
+    /// Number of times at which the speed of the decaying displacement is computed.
     const SAMPLES: u32 = 32;
     let requested = of.table.requested();
     let aside = residual.greatest_speed(SAMPLES);

@@ -10,19 +10,21 @@ use nalgebra::{Translation3, UnitQuaternion, Vector3};
 use rpi_kin::Pose;
 use rpi_kin::state_to_rest::{AxisState, Bounds, StateToRestProfile};
 
-/// Shares of the requested acceleration and jerk along the velocity that the path does not have, and across it. With
-/// the share of the path parameter they are at most the whole.
+/// Share of the requested acceleration and jerk of the tool that the residual uses along its own initial velocity.
 const ALONG: f64 = 0.45;
+/// Share of the requested acceleration and jerk of the tool that the residual uses across its own initial velocity.
+/// Together with [`ALONG`] and the share for the motion along the path, it is at most 1.
 const ACROSS: f64 = 0.2;
 
-/// Bounds of the arm angle: speed (rad/s), acceleration (rad/s²) and jerk (rad/s³).
+/// Bounds for the decay of the arm angle (position of the elbow): speed (rad/s), acceleration (rad/s²) and jerk
+/// (rad/s³).
 const ARM_ANGLE: Bounds = Bounds {
     speed: 1.0,
     acceleration: 2.0,
     jerk: 20.0,
 };
 
-/// Difference between the tool and the path: displacement (m), rotation vector (rad) and arm angle (rad).
+/// Difference between the tool and the path: displacement (m), rotation vector (rad, base frame) and arm angle (rad).
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct Difference {
     pub way: Vector3<f64>,
@@ -30,14 +32,15 @@ pub(crate) struct Difference {
     pub arm_angle: f64,
 }
 
-/// A vector that decays to 0, in three perpendicular directions.
+/// Planned decay of a vector to 0, along three perpendicular directions.
 #[derive(Clone, Copy, Debug, Default)]
 struct Decay {
     directions: [Vector3<f64>; 3],
     profiles: [StateToRestProfile; 3],
 }
 
-/// Decay of the difference between the tool and a path.
+/// Residual of the tool: the difference between tool and path after a takeover, which decays to 0 within the bounds of
+/// the tool.
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct ToolResidual {
     way: Decay,
@@ -48,7 +51,7 @@ pub(crate) struct ToolResidual {
 }
 
 impl Decay {
-    /// Plans the decay from a vector, its velocity and its acceleration.
+    /// Plans the decay of a vector with this velocity and acceleration. `None` if a number is not finite.
     fn new(
         vector: Vector3<f64>,
         velocity: Vector3<f64>,
@@ -77,10 +80,12 @@ impl Decay {
         Some(decay)
     }
 
-    fn at(&self, elapsed: f64) -> Vector3<f64> {
+    /// Returns the vector `ahead` seconds after `elapsed` (s, since the start of the decay), if it continues with the
+    /// acceleration that it has at `elapsed`.
+    fn near(&self, elapsed: f64, ahead: f64) -> Vector3<f64> {
         let parts = self.directions.iter().zip(&self.profiles);
         parts
-            .map(|(direction, profile)| direction * profile.state_at(elapsed).position)
+            .map(|(direction, profile)| direction * position_near(profile, elapsed, ahead))
             .sum()
     }
 
@@ -99,9 +104,17 @@ impl Decay {
     }
 }
 
-/// Three perpendicular unit vectors: the first along the first vector that is not 0, and so on.
+/// Returns the position of a profile `ahead` seconds after the time `elapsed` (s), if it continues with the
+/// acceleration that it has at `elapsed`.
+fn position_near(profile: &StateToRestProfile, elapsed: f64, ahead: f64) -> f64 {
+    profile.state_at(elapsed).advanced(ahead, 0.0).position
+}
+
+/// Returns three perpendicular unit vectors. The first one has the direction of the first vector that is not 0, the
+/// others that of the following vectors, as far as they are independent.
 fn directions(vectors: &[Vector3<f64>; 3]) -> [Vector3<f64>; 3] {
-    /// Length below which a vector is rounding.
+    /// Length below which a vector counts as zero, because its direction is only rounding; in the unit of the vectors
+    /// (m, m/s or m/s²).
     const SHORTEST: f64 = 1e-9;
     let mut found = [Vector3::zeros(); 3];
     let mut count = 0;
@@ -119,8 +132,9 @@ fn directions(vectors: &[Vector3<f64>; 3]) -> [Vector3<f64>; 3] {
 }
 
 impl ToolResidual {
-    /// Plans the decay from `start_time` (s) on. `before`, `now` and `after` are the differences at `start_time` and
-    /// `step` seconds before and after it, if the arm and the path go on as they do. `None` if a number is not finite.
+    /// Plans the decay from the time `start_time` of the motion (s) on. `before`, `now` and `after` are the differences
+    /// between tool and path `step` seconds before `start_time`, then, and `step` seconds after it, if arm and path
+    /// continue unchanged. `None` if a number is not finite.
     pub(crate) fn new(
         [before, now, after]: &[Difference; 3],
         step: f64,
@@ -167,27 +181,29 @@ impl ToolResidual {
         })
     }
 
-    /// Returns the time of the motion at which the tool is on the path, s.
+    /// Returns the time of the motion (s) from which the tool is on the path.
     pub(crate) fn end(&self) -> f64 {
         self.end
     }
 
-    /// Returns the pose of the tool at a time, for that of the path.
-    pub(crate) fn displaced(&self, path: &Pose, time: f64) -> Pose {
+    /// Returns the pose of the tool for the pose `path` of the path, `ahead` seconds after `time` (s), if the
+    /// displacement continues with the acceleration that it has at `time`.
+    pub(crate) fn displaced(&self, path: &Pose, time: f64, ahead: f64) -> Pose {
         let elapsed = time - self.start_time;
-        let turn = UnitQuaternion::from_scaled_axis(self.turn.at(elapsed));
+        let turn = UnitQuaternion::from_scaled_axis(self.turn.near(elapsed, ahead));
         Pose::from_parts(
-            Translation3::from(path.translation.vector + self.way.at(elapsed)),
+            Translation3::from(path.translation.vector + self.way.near(elapsed, ahead)),
             turn * path.rotation,
         )
     }
 
-    /// Returns the difference of the arm angle at a time, rad.
-    pub(crate) fn arm_angle_at(&self, time: f64) -> f64 {
-        self.arm_angle.state_at(time - self.start_time).position
+    /// Returns the difference of the arm angle from that of the path, rad; `time` and `ahead` as for
+    /// [`ToolResidual::displaced`].
+    pub(crate) fn arm_angle_at(&self, time: f64, ahead: f64) -> f64 {
+        position_near(&self.arm_angle, time - self.start_time, ahead)
     }
 
-    /// Returns the greatest speed of the displacement, m/s, as `count` samples show it.
+    /// Returns the maximum speed of the displacement, m/s, at `count` times during the decay.
     pub(crate) fn greatest_speed(&self, count: u32) -> f64 {
         let width = (self.end - self.start_time) / f64::from(count);
         let speeds = (0..count).map(|k| self.way.velocity_at(width * f64::from(k)).norm_squared());

@@ -6,10 +6,11 @@ use crate::{Arm, JointState, Joints};
 use nalgebra::Vector3;
 use rpi_kin::state_to_rest::Bounds;
 
-/// Number of set-points that are kept.
+/// Number of set-points that are stored.
 const KEPT: usize = 4;
 
-/// The last set-points and places of the tool, the newest last, and the greatest shares of its bounds that it has used since the takeover.
+/// The last set-points and positions of the tool, the newest last, and the maximum speed, acceleration and jerk of the
+/// tool since the takeover, as shares of the requested ones.
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct ToolTrace {
     joints: [Joints; KEPT],
@@ -18,8 +19,8 @@ pub(crate) struct ToolTrace {
 }
 
 impl ToolTrace {
-    /// Begins at the takeover of an arm in a state. If it does not continue the last set-points, those before it follow
-    /// from velocity and acceleration.
+    /// Begins the record of a takeover in the state `state` of the arm. If this state does not continue the last
+    /// set-points (`continues` false), earlier set-points are computed from its velocity and acceleration.
     pub(crate) fn begin(&mut self, arm: &Arm, state: &JointState, period: f64, continues: bool) {
         self.worst = [0.0; 3];
         if continues {
@@ -37,12 +38,22 @@ impl ToolTrace {
             .map(|joints| arm.forward(&joints).translation.vector);
     }
 
-    /// Returns the set-point `back` periods before the last one; the oldest one if it is not kept.
+    /// Returns the joint positions (rad) `back` set-points before the last one; the oldest stored ones if there are
+    /// fewer.
     pub(crate) fn joints(&self, back: usize) -> &Joints {
         &self.joints[(KEPT - 1).saturating_sub(back)]
     }
 
-    /// Takes the next set-point; what the tool does on the path does not count.
+    /// Returns the state of the axes on the parabola through the last set-points, which are `period` seconds apart.
+    pub(crate) fn state(&self, period: f64) -> JointState {
+        let [_, b, c, d] = &self.joints;
+        let velocity = core::array::from_fn(|axis| (d[axis] - c[axis]) / period);
+        let acceleration =
+            core::array::from_fn(|axis| (d[axis] - 2.0 * c[axis] + b[axis]) / (period * period));
+        JointState::from_differences(*d, velocity, acceleration, period)
+    }
+
+    /// Appends a set-point. The maxima are updated only while the arm is not on the path.
     pub(crate) fn push(&mut self, arm: &Arm, at: &SetPoint, period: f64, requested: Bounds) {
         self.joints.rotate_left(1);
         self.joints[KEPT - 1] = at.joints;

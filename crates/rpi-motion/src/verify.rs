@@ -22,45 +22,46 @@ use rpi_kin::{AxisLimits, MAX_AXES, Range};
 /// Longest time between two samples of a verification, s.
 const LONGEST_STEP: f64 = 5e-3;
 
-/// Number of samples of a time law where the path has the widest spacing of nodes, besides two for each phase.
+/// Number of samples at which a time law is verified on the coarsest spacing of nodes, in addition to two for each
+/// phase.
 const COARSE_SAMPLES: f64 = 56.0;
 
-/// Maximum number of samples that the verifications of one cycle take together.
+/// Maximum number of samples that all verifications of one cycle take together.
 pub const SAMPLES_PER_CYCLE: usize = 600;
 
-/// Distance from the end of an axis' range that motions keep, rad.
+/// Distance that motions keep from the ends of the range of an axis, rad.
 const RANGE_MARGIN: f64 = 1e-4;
 
-/// Share of the bounds of the tool that the bending of the curvature between two samples may use up.
+/// Share of the requested bounds of the tool that is reserved for changes of the curvature between two samples.
 const BETWEEN_SAMPLES: f64 = 1.5e-3;
 
-/// Tolerance for the end of a law beyond the known path, in its unit.
+/// Distance by which a time law may end beyond the known part of the path due to rounding, m (rad on a joint line).
 const END_TOLERANCE: f64 = 1e-12;
 
-/// Checker of time laws: the arm, the path, the residual and the ranges that a law is verified against.
+/// Verifier of time laws: checks that a motion along the path keeps the limits of the arm and the bounds of the tool.
 #[derive(Clone, Copy, Debug)]
 pub struct Verifier<'a> {
-    /// The arm with its limits.
+    /// Arm whose kinematics and limits apply.
     pub arm: &'a Arm,
-    /// Nodes of the path.
+    /// Path of the motion, with the joint positions and their derivatives at its nodes.
     pub table: &'a NodeTable,
-    /// Residual of the takeover, which is added to the path.
+    /// Residual of the takeover (decaying difference between arm and path), which is added to the path.
     pub residual: &'a Residual,
-    /// Ranges of the axes: see [`allowed_ranges`].
+    /// Ranges that the axes keep, from [`allowed_ranges`].
     pub ranges: &'a [Range; MAX_AXES],
 }
 
-/// Progress of a verification: the place on the path and the samples left.
+/// Progress of a verification: state and time of the motion, and the samples left.
 struct Walk {
     state: PathState,
     time: f64,
-    /// Number of a node near to the current place.
+    /// Number of a node near to the present position along the path, as for [`NodeTable::around`].
     cursor: usize,
     /// Number of samples that may still be taken.
     left: usize,
 }
 
-/// Velocity, acceleration and jerk of one axis due to the motion along the path, without the residual.
+/// Position, velocity, acceleration and jerk of one axis due to the motion along the path, without the residual.
 #[derive(Clone, Copy, Debug, Default)]
 struct Terms {
     position: f64,
@@ -70,9 +71,9 @@ struct Terms {
 }
 
 impl Verifier<'_> {
-    /// Returns whether the whole brake keeps the limits of all axes and the requested bounds of the tool, and ends on the
-    /// known path. `samples` are those that may still be taken in this cycle; without enough of them a brake is not
-    /// accepted.
+    /// Returns true if the whole time law keeps the limits of all axes and the requested bounds of the tool, and ends
+    /// on the known part of the path. `samples` is the number of samples that may still be taken in this cycle; it is
+    /// reduced. If there are not enough, the result is false.
     #[must_use]
     pub fn accepts(&self, brake: &HeldBrake, samples: &mut usize) -> bool {
         let end = brake.end();
@@ -93,8 +94,9 @@ impl Verifier<'_> {
         within && self.rest_is_within(&mut walk)
     }
 
-    /// Walks through a phase of constant jerk in equal steps of at most `step` seconds; each is cut further where the
-    /// path has been resolved more finely, so that no sample misses a bend.
+    /// Returns true if the motion keeps all limits during a phase of constant jerk, which is checked in equal steps of
+    /// at most `step` seconds. Steps are divided further where nodes are closer, so that no sample misses a bend of the
+    /// path.
     fn phase_is_within(&self, walk: &mut Walk, phase: &JerkPhase, step: f64) -> bool {
         let steps = libm::ceil(phase.duration / step).max(1.0);
         let width = phase.duration / steps;
@@ -129,9 +131,9 @@ impl Verifier<'_> {
         true
     }
 
-    /// Time until the next sample of a phase, at most `longest` seconds.
+    /// Returns the time until the next sample of a phase (s), at most `longest`.
     fn sample_time(&self, walk: &mut Walk, jerk: f64, longest: f64) -> f64 {
-        /// Two samples are at least this share of the longest time apart.
+        /// Minimum time between two samples, as a share of the maximum time.
         const SHORTEST: f64 = 1e-3;
         let (now, then) = (walk.state, walk.state.advanced(longest, jerk));
         let place = self.table.next_sample(now.s, then.s, &mut walk.cursor);
@@ -166,7 +168,7 @@ impl Verifier<'_> {
         terms
     }
 
-    /// Whether the velocity rises beyond the requested one in a phase that begins with this state.
+    /// Returns true if the velocity along the path exceeds the requested one during a phase that begins with `start`.
     fn is_too_fast(&self, start: &PathState, phase: &JerkPhase) -> bool {
         let most = self.table.requested().speed.max(start.velocity) * (1.0 + 1e-9);
         let turning = -start.acceleration / phase.jerk;
@@ -175,8 +177,9 @@ impl Verifier<'_> {
         inside && at(turning) > most || at(phase.duration) > most
     }
 
-    /// Whether acceleration and jerk of the tool on a curved path are within the requested bounds:
-    /// a t + k v² n, and (j - k² v³) t + (3 k v a + k' v³) n.
+    /// Returns true if acceleration and jerk of the tool are within the requested bounds: a t + k v² n and (j - k² v³)
+    /// t + (3 k v a + k' v³) n, with velocity v, acceleration a and jerk j along the path, its curvature k, tangent t
+    /// and normal n.
     fn tool_is_within(&self, state: &PathState, jerk: f64, cursor: &mut usize) -> bool {
         let (one, other, share) = self.table.around(state.s, cursor);
         let mix = |low: f64, high: f64| low + share * (high - low);
@@ -250,7 +253,7 @@ impl Verifier<'_> {
         })
     }
 
-    /// Returns whether the axis could stop within its range from the state `at`.
+    /// Returns true if the axis could stop within its range from the state `at` plus the residual at `time` (s).
     fn range_is_kept(&self, axis: usize, at: &Terms, time: f64, limits: &AxisLimits) -> bool {
         let rest = self.residual.state_at(axis, time);
         let position = at.position + rest.position;
@@ -263,25 +266,26 @@ impl Verifier<'_> {
         position - below >= range.lower && position + above <= range.upper
     }
 
-    /// Returns whether the residual keeps the limits after the path parameter has come to rest.
+    /// Returns true if the axes stay in their ranges, and could stop within them at any time, while the residual decays
+    /// after the motion along the path has come to rest.
     fn rest_is_within(&self, walk: &mut Walk) -> bool {
         if walk.time >= self.residual.end() {
             return true;
         }
         let (one, other, share) = self.table.around(walk.state.s, &mut walk.cursor);
-        (0..self.arm.axes()).all(|axis| {
-            let here = one.joints[axis] + share * (other.joints[axis] - one.joints[axis]);
-            let (low, high) = self.residual.span(axis);
-            let range = &self.ranges[axis];
-            here + low >= range.lower && here + high <= range.upper
-        })
+        let here = core::array::from_fn(|axis| {
+            one.joints[axis] + share * (other.joints[axis] - one.joints[axis])
+        });
+        self.residual
+            .can_stop(self.arm, walk.time, &here, self.ranges)
     }
 }
 
-/// Whether the velocity becomes negative in a phase that begins with this state: at its end, or where the acceleration
-/// changes its sign.
+/// Returns true if the velocity along the path becomes negative during a phase that begins with `start`: at its end, or
+/// where the acceleration changes its sign.
 fn goes_backwards(start: &PathState, phase: &JerkPhase) -> bool {
-    /// Tolerance for the velocity at rest: below it, a negative velocity counts as rounding.
+    /// Magnitude of the velocity along the path, m/s, up to which it counts as 0: rounding can make the velocity at
+    /// rest slightly negative.
     const ROUNDING: f64 = 1e-12;
     let turning = -start.acceleration / phase.jerk;
     let inside = turning > 0.0 && turning < phase.duration;
@@ -290,8 +294,8 @@ fn goes_backwards(start: &PathState, phase: &JerkPhase) -> bool {
         || start.advanced(phase.duration, phase.jerk).velocity < -ROUNDING
 }
 
-/// Returns the ranges that a motion keeps: those of the axes less a margin. Where the arm starts nearer to the end of a
-/// range, or beyond it, its own position is the end: it may move back, but not farther out.
+/// Returns the ranges that a motion keeps: the ranges of the axes, less a margin. If an axis starts nearer to the end
+/// of its range, or beyond it, its start position is the end: the axis may move back, but not farther out.
 #[must_use]
 pub fn allowed_ranges(arm: &Arm, start: &Joints) -> [Range; MAX_AXES] {
     let mut ranges = [Range::symmetric(0.0); MAX_AXES];

@@ -5,36 +5,40 @@ use crate::path::Path;
 use crate::path_error::{PathError, PathErrorKind};
 use crate::{Arm, Joints};
 
-/// Greatest difference between the inverse half-way between two nodes and the cubic through four nodes, rad.
+/// Maximum difference between the inverse kinematics halfway between two nodes and the cubic through four nodes, rad.
+/// With larger differences, the nodes must be closer.
 const RESOLUTION: f64 = 1e-8;
 
-/// Widest spacing of nodes on a path of the tool, m, followed by the finest, below which the path is rejected.
+/// Maximum distance between nodes on a path of the tool, m.
 const WIDEST: f64 = 2e-3;
+/// Minimum distance between nodes on a path of the tool, m. A path that needs closer nodes is rejected.
 const FINEST: f64 = WIDEST / 512.0;
 
-/// Nodes that must be much better resolved than needed before the spacing is doubled.
+/// Number of successive nodes with far smaller differences than needed, after which the distance of the nodes is
+/// doubled.
 const CALM_NODES: u32 = 16;
 
-/// Joints at six successive places of a path, at the offsets -2 to 3 (in spacings) from the next node. Finite
-/// differences over them give the derivatives of the node.
+/// Joint positions at six equally spaced places of a path, at the offsets -2 to 3 (in spacings) from the place of the
+/// next node. Finite differences of them give the derivatives at the node.
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct Window {
     pub(crate) joints: [Joints; 6],
     pub(crate) spacing: f64,
-    /// Path parameter of offset 0.
+    /// Position along the path (path parameter) of the next node, at offset 0, m.
     pub(crate) centre: f64,
     widest: f64,
     finest: f64,
-    /// Number of nodes in a row for which the path was much better resolved than needed.
+    /// Number of successive nodes so far at which the path was resolved far better than needed.
     calm: u32,
-    /// False while the joints could not be computed at this spacing.
+    /// True if the joint positions are known; false while they could not be computed at this spacing.
     is_filled: bool,
-    /// Error that made the present stretch finer; `None` if only the bending of the path did.
+    /// Error because of which the spacing was reduced; `None` if it was reduced only because the path bends.
     cause: Option<PathError>,
 }
 
 impl Window {
-    /// Fills the window around the start of a path, near to the joints `start`.
+    /// Computes the window around the start of a path, near to the joint positions `start` (rad), with a spacing that
+    /// resolves the path.
     pub(crate) fn first(arm: &Arm, path: &JointPath, start: &Joints) -> Result<Self, PathError> {
         let length = path.path.length();
         let widest = widest_spacing(&path.path);
@@ -51,7 +55,7 @@ impl Window {
         Ok(window)
     }
 
-    /// Creates the window of a path without length: all joints are equal.
+    /// Creates the window of a path without length: all joint positions are `at` (rad).
     pub(crate) fn still(at: &Joints) -> Self {
         Self {
             joints: [*at; 6],
@@ -60,13 +64,13 @@ impl Window {
         }
     }
 
-    /// Returns the path parameter of the last joints.
+    /// Returns the position along the path of the last place in the window (m; rad on a joint line).
     pub(crate) fn end(&self) -> f64 {
         self.centre + 3.0 * self.spacing
     }
 
-    /// Moves the window by one node. Returns false if it changed the spacing instead: a jump or a missing solution can
-    /// be that of the next but one place, too, so that a finer stretch is tried first.
+    /// Moves the window by one node and returns true. Returns false if it reduced the spacing instead: a jump or a
+    /// missing solution may lie between the places, so a finer spacing is tried before the error is returned.
     pub(crate) fn advance(&mut self, arm: &Arm, path: &JointPath) -> Result<bool, PathError> {
         let (added, difference) = match self.next_joints(arm, path) {
             Ok(next) => next,
@@ -91,7 +95,8 @@ impl Window {
         Ok(true)
     }
 
-    /// Returns the joints behind the window, and how much the path bends there.
+    /// Returns the joint positions (rad) at the place after the window, and the difference (rad) of the inverse
+    /// kinematics from a cubic there.
     fn next_joints(&self, arm: &Arm, path: &JointPath) -> Result<(Joints, f64), PathError> {
         if !self.is_filled {
             return Err(self.unresolved());
@@ -139,8 +144,8 @@ impl Window {
         Ok(())
     }
 
-    /// Difference of the inverse at `offset` spacings from the centre, half-way between the second and the third of
-    /// four joints, and the cubic through them; the largest of all axes, rad.
+    /// Returns the largest difference of an axis (rad) between the inverse kinematics at `offset` spacings from the
+    /// centre and the cubic through the four given joint positions, halfway between the second and the third of them.
     fn bending(
         &self,
         arm: &Arm,
@@ -157,7 +162,7 @@ impl Window {
         Ok((0..arm.axes()).map(off).fold(0.0, f64::max))
     }
 
-    /// Halves the spacing because of an error; returns the error if the spacing is already the finest.
+    /// Halves the spacing because of the error `cause`; returns an error if the spacing is already the finest.
     fn halve_spacing(&mut self, cause: PathError) -> Result<(), PathError> {
         let cause = self.cause.unwrap_or(cause);
         let finer = self.spacing / 2.0;
@@ -172,7 +177,7 @@ impl Window {
         Ok(())
     }
 
-    /// Begins a coarser stretch behind the last node, if the path can be followed there.
+    /// Doubles the spacing after the last node, if the joint positions of the path can be computed with it.
     fn double_spacing(&mut self, arm: &Arm, path: &JointPath) {
         let before = *self;
         let last = before.joints[1];
@@ -184,7 +189,7 @@ impl Window {
         }
     }
 
-    /// Computes all joints of the window from its centre, whose joints are near to `near`.
+    /// Computes the joint positions at all places of the window, beginning near to `near` (rad) at its centre.
     fn fill(&mut self, arm: &Arm, path: &JointPath, near: &Joints) -> Result<(), PathError> {
         let place = |offset: f64| self.centre + offset * self.spacing;
         let here = path.joints_at(arm, place(0.0), near)?;
@@ -205,7 +210,7 @@ impl Window {
     }
 }
 
-/// Returns the widest spacing of nodes on a path.
+/// Returns the widest spacing of nodes on a path: m, or rad on a joint line.
 pub(crate) fn widest_spacing(path: &Path) -> f64 {
     match path {
         Path::Tool(_) => WIDEST.min(path.length() / 16.0),

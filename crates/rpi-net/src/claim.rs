@@ -5,65 +5,66 @@
 
 use rpi_diag::Span;
 
-/// Kind of a claim, which decides who must ensure it.
+/// Kind of a claim. It decides who must ensure that the claimed condition holds.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub enum ClaimKind {
     /// `assert`: assumed to hold without proof.
     Assert,
-    /// `check`: must follow from the rest of the body.
+    /// `check`: to be proved from the rest of the body.
     Check,
     /// `assume`: ensured by the caller.
     Assume,
     /// `guarantee`, or `ensure` of a mode: ensured by the body as long as the caller's assumptions hold.
     Guarantee,
-    /// Claim that the modes of a contract are complete: in every cycle the caller satisfies the `require` of at least
-    /// one mode.
+    /// The modes of a contract are complete: in every cycle the caller satisfies the `require` clauses of at least one
+    /// mode.
     ModeCompleteness,
 }
 
 impl ClaimKind {
-    /// Whether the rest of the program may rely on the claim.
+    /// Returns whether the rest of the program may rely on the claim without proof.
     #[must_use]
     pub fn is_assumed(self) -> bool {
         matches!(self, ClaimKind::Assert | ClaimKind::Assume)
     }
 }
 
-/// Claim (assertion or contract clause) that a net publishes, so that tests and model checkers can observe it.
+/// Claim of a program (assertion, property or contract clause) that a net publishes, so that tests and model checkers
+/// can observe it.
 #[derive(Clone, PartialEq, Eq, Debug)]
 pub struct Claim {
-    /// Key of the Boolean export of the claim. A claim that always holds has no such export.
+    /// Key of the Boolean export that is true while the claim holds. A claim that always holds has no such export.
     pub key: String,
     /// Whether the claim is an assertion, a property, an assumption, a guarantee or the completeness of modes.
     pub kind: ClaimKind,
-    /// Path of the call that contains the claim; empty for the unit that is run.
+    /// Path of the call that contains the claim; empty for the node or command that is run itself.
     pub path: String,
-    /// Name of the unit whose claim this is.
+    /// Name of the node, fragment or command that states the claim.
     pub subject: String,
-    /// Mode of the contract, for the `ensure` of a mode.
+    /// Name of the mode, for a claim from the `ensure` clause of a mode; `None` for other claims.
     pub mode: Option<String>,
-    /// Label of the claim, if it has one.
+    /// Name that the program gives to the claim, a string in quotes; `None` without a name.
     pub label: Option<String>,
     /// Location of the claim in the source text.
     pub span: Span,
-    /// Whether the claim also reads values of earlier cycles.
+    /// Whether the claim depends on values of earlier cycles.
     pub reads_past: bool,
-    /// Whether all flows that the claim reads must have a value in every cycle. In Lustre they need not: there, a claim
-    /// about the previous cycle is vacuous in the first cycle.
+    /// Whether all flows that the claim reads must have a value in every cycle. They need not in Lustre, where a claim
+    /// about the previous cycle holds trivially in the first cycle.
     pub is_strict: bool,
-    /// Flows that the claim reads.
+    /// Flows that occur in the claim.
     pub reads: Vec<ClaimRead>,
 }
 
-/// Flow that a claim reads.
+/// Flow that occurs in a claim.
 #[derive(Clone, PartialEq, Eq, Debug)]
 pub struct ClaimRead {
-    /// Name of the flow in the scope of the claim.
+    /// Name of the flow in the node that states the claim.
     pub name: String,
-    /// Key of the flow's export.
+    /// Key under which the flow is exported.
     pub key: String,
-    /// Unit of the flow, `[m/s]`; empty if it has none.
+    /// Unit of the flow in brackets, such as `[m/s]`; empty if it has none.
     pub unit: String,
-    /// Names of the enum's values; empty for other types.
+    /// Names of the values if the flow has an enum type, in declaration order; empty for other types.
     pub values: Vec<String>,
 }

@@ -3,27 +3,29 @@
 use crate::column_error::ColumnError;
 use rpi_image::{Scalar, Type};
 
-/// Column of a sample table: the name and the value format of one scalar part of a flow.
+/// Column of a table of samples: the name and the value format of one leaf, which is a scalar part of a flow.
 #[derive(Clone, PartialEq, Eq, Debug)]
 pub struct Column {
-    /// Flow name with the path to the leaf: `x`, `x.field`, `x[2].field`.
+    /// Name of the flow with the path to the leaf: `x`, `x.field`, `x[2].field`.
     pub key: String,
-    /// Machine type of the leaf.
+    /// Machine type of the values in the column.
     pub scalar: Scalar,
-    /// Names of the enum's values in declaration order; empty for all other types.
+    /// Names of the values if the leaf has an enum type, in declaration order; empty for other types.
     pub enum_values: Vec<String>,
-    /// Whether the flow may be absent.
+    /// Whether the flow may be absent in a cycle.
     pub optional: bool,
-    /// Inclusive bounds of an integer subrange, `[min, max]`.
+    /// Lowest and highest value, for an integer with a subrange type; `None` for other types.
     pub range: Option<[i64; 2]>,
 }
 
 impl Column {
-    /// Parses a value to its memory slots. Accepts `true` or `false`, an integer, a real, an enum value by name or
-    /// number, or else a literal of the net's text form.
+    /// Parses the text of a field to the memory slots of the value.
+    ///
+    /// Accepts `true` or `false`, an integer, a real, an enum value by name or number, or else a literal of the net's
+    /// text form.
     ///
     /// # Errors
-    /// Returns the expected form if the text is not a value of this type.
+    /// Returns the expected form if the text is not a value of the column's type.
     pub fn parse(&self, text: &str) -> Result<Vec<u64>, ColumnError> {
         let cell = match self.scalar {
             Scalar::Bool => parse_bool(text).map(u64::from),
@@ -70,7 +72,7 @@ impl Column {
         }
     }
 
-    /// Formats a value. Reals are written such that they parse to the same bits.
+    /// Returns the text of a value, given by its memory slots. Reals are written such that they parse to the same bits.
     #[must_use]
     pub fn format(&self, cells: &[u64]) -> String {
         let cell = cells.first().copied().unwrap_or_default();
@@ -90,7 +92,7 @@ impl Column {
     }
 }
 
-/// Parses a real. Digits that overflow to infinity are rejected; `inf` is accepted.
+/// Parses a real; `None` if the text is no real. Digits that overflow to infinity are rejected; `inf` is accepted.
 fn parse_real(text: &str) -> Option<f64> {
     let value: f64 = text.parse().ok()?;
     let is_held = value.is_finite() || !text.contains(|c: char| c.is_ascii_digit());

@@ -2,21 +2,21 @@
 
 use std::fmt;
 
-/// Error: the text of a field is not a value of its column.
+/// Error: the text of a field is not a value of its column in a table of samples.
 #[derive(Clone, PartialEq, Eq, Debug)]
 pub enum ColumnError {
-    /// The text is not a value of the scalar type that the column expects.
+    /// The text is not a Boolean, number or enum value, as the column requires.
     UnexpectedText {
-        /// Text of the field.
+        /// Text that was read from the table.
         text: String,
         /// Expected form, such as `an integer of 64 bits`.
         expected: String,
     },
-    /// The text is the literal `null`, which stands for an absent value and cannot be in a field.
+    /// The text is the literal `null`, which stands for an absent value. A field must hold a value.
     Null,
-    /// The text is not a literal of the type of the column.
+    /// The text is not a literal of the column's type, such as a pose or an array.
     InvalidLiteral {
-        /// Text of the field.
+        /// Text that was read from the table.
         text: String,
         /// Name of the type of the column, as in programs.
         type_name: &'static str,

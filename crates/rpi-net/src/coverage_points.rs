@@ -3,14 +3,15 @@
 use crate::input::{FragmentId, Input};
 use rpi_diag::Span;
 
-/// Coverage points of a program text. A unit that is called several times has an entry per call.
+/// Coverage points of a program text: calls, decisions and transitions that tests should reach. A unit that is called
+/// several times has its decisions and transitions once per call.
 #[derive(Clone, PartialEq, Default, Debug)]
 pub struct CoveragePoints {
-    /// Declaration sites of the names of all called units.
+    /// Locations of the declared names of all called nodes and fragments.
     pub called_units: Vec<Span>,
-    /// Decisions (`if`); a nested decision comes after the enclosing one.
+    /// Decisions (`if`); a decision comes after the one that contains it.
     pub decisions: Vec<Decision>,
-    /// Possible transitions out of the states of automata.
+    /// Transitions of automata, grouped by the state that they leave.
     pub state_transitions: Vec<StateTransitions>,
 }
 
@@ -19,29 +20,30 @@ pub struct CoveragePoints {
 pub struct Decision {
     /// Boolean condition of the decision.
     pub condition: Input,
-    /// Fragment in which the condition is evaluated.
+    /// Fragment in which the condition of the decision is evaluated.
     pub fragment: FragmentId,
-    /// Branch of an enclosing decision that contains this one.
+    /// Branch of another decision that contains this decision; `None` if it is not nested.
     pub branch: Option<DecisionBranch>,
-    /// Location of the whole `if`.
+    /// Location of the whole `if` in the source text.
     pub span: Span,
 }
 
-/// One side of an `if`: the side for a true or for a false condition.
+/// One branch of an `if`.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub struct DecisionBranch {
     /// Index of the decision in [`CoveragePoints::decisions`].
     pub decision: u32,
-    /// Value of the condition for which the branch is taken.
+    /// Truth value of the condition for which the branch is taken.
     pub outcome: bool,
 }
 
-/// Transitions out of one state of an automaton at the start or at the end of a cycle.
+/// Transitions out of one state of an automaton that are decided at the start (`unless`) or at the end (`until`) of a
+/// cycle.
 #[derive(Clone, PartialEq, Debug)]
 pub struct StateTransitions {
     /// Boolean that is true while the automaton is in the state.
     pub is_active: Input,
-    /// Transitions in priority order: the first one with a true condition is taken.
+    /// Transitions in priority order. The first one whose condition is true is taken.
     pub transitions: Vec<Transition>,
 }
 

@@ -4,28 +4,28 @@
 
 use crate::net::{FragmentId, Net, NodeId};
 
-/// Node or inner fragment, as a member of the list in which a fragment executes its content.
+/// Element of a fragment's content: a node, or a fragment inside it.
 #[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Debug)]
 pub enum Item {
-    /// Node directly in the fragment.
+    /// Node that is directly in the fragment.
     Node(NodeId),
-    /// Child fragment with all its contents.
+    /// Child fragment with everything in it.
     Fragment(FragmentId),
 }
 
-/// Fragment tree of one net. All vectors are indexed by fragment.
+/// Tree of the fragments of one net. All vectors are indexed by fragment.
 #[derive(Clone, Debug)]
 pub struct FragmentTree {
     parent: Vec<Option<FragmentId>>,
     depth: Vec<u32>,
     children: Vec<Vec<FragmentId>>,
     nodes: Vec<Vec<NodeId>>,
-    /// Lowest node index inside each fragment; `u32::MAX` if it contains no nodes.
+    /// Lowest node index in each fragment and the fragments inside it; `u32::MAX` if there are no nodes.
     first_node: Vec<u32>,
 }
 
 impl FragmentTree {
-    /// Builds the tree of a net. Each fragment must come after its parent.
+    /// Builds the fragment tree of a net. In `net.fragments`, each fragment must come after its parent.
     #[must_use]
     pub fn new(net: &Net) -> Self {
         let count = net.fragments.len();
@@ -61,19 +61,20 @@ impl FragmentTree {
         }
     }
 
-    /// Nodes directly in a fragment, in declaration order.
+    /// Returns the nodes directly in a fragment, in declaration order.
     #[must_use]
     pub fn nodes(&self, fragment: FragmentId) -> &[NodeId] {
         &self.nodes[fragment.index()]
     }
 
-    /// Fragments directly in a fragment, in declaration order.
+    /// Returns the fragments directly in a fragment, in declaration order.
     #[must_use]
     pub fn children(&self, fragment: FragmentId) -> &[FragmentId] {
         &self.children[fragment.index()]
     }
 
-    /// Nodes and child fragments of a fragment in declaration order. A fragment is ordered by its first node.
+    /// Returns the nodes and child fragments directly in a fragment, in declaration order. The position of a child
+    /// fragment is that of its first node.
     #[must_use]
     pub fn items(&self, fragment: FragmentId) -> Vec<Item> {
         let nodes = self.nodes(fragment).iter();
@@ -86,7 +87,8 @@ impl FragmentTree {
         items.into_iter().map(|(_, item)| item).collect()
     }
 
-    /// Like [`FragmentTree::items`], but includes the members of clock fragments in the fragment, at any depth.
+    /// Returns the nodes and child fragments directly in a fragment, and those in its children that only group the
+    /// operations of one clock, at any depth. The order is that of the declarations.
     #[must_use]
     pub fn items_through_clocks(&self, net: &Net, fragment: FragmentId) -> Vec<Item> {
         let is_clock = |f: &FragmentId| net.fragment(*f).is_clock;
@@ -111,19 +113,19 @@ impl FragmentTree {
         items.into_iter().map(|(_, item)| item).collect()
     }
 
-    /// Enclosing fragment; `None` for the root.
+    /// Returns the enclosing fragment; `None` for the root.
     #[must_use]
     pub fn parent(&self, fragment: FragmentId) -> Option<FragmentId> {
         self.parent[fragment.index()]
     }
 
-    /// Number of enclosing fragments; 0 for the root.
+    /// Returns the number of fragments around a fragment; 0 for the root.
     #[must_use]
     pub fn depth(&self, fragment: FragmentId) -> u32 {
         self.depth[fragment.index()]
     }
 
-    /// Innermost fragment that is or encloses both fragments (lowest common ancestor).
+    /// Returns the innermost fragment that is or encloses both fragments (lowest common ancestor).
     #[must_use]
     pub fn common_ancestor(&self, a: FragmentId, b: FragmentId) -> FragmentId {
         let (mut a, mut b) = (a, b);
@@ -141,7 +143,7 @@ impl FragmentTree {
         a
     }
 
-    /// Fragments from `inner` outwards up to but not including `outer`, which encloses `inner`.
+    /// Returns the fragments from `inner` outwards, up to but not including `outer`, which is or encloses `inner`.
     pub fn between(
         &self,
         inner: FragmentId,
@@ -150,7 +152,7 @@ impl FragmentTree {
         std::iter::successors(Some(inner), |f| self.parent(*f)).take_while(move |f| *f != outer)
     }
 
-    /// Direct child of `outer` that is or encloses `inner`; `None` if `inner` is `outer` itself.
+    /// Returns the direct child of `outer` that is or encloses `inner`; `None` if `inner` is `outer`.
     #[must_use]
     pub fn child_towards(&self, outer: FragmentId, inner: FragmentId) -> Option<FragmentId> {
         self.between(inner, outer).last()

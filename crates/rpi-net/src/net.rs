@@ -9,16 +9,18 @@ use rpi_prims::PrimId;
 use smallvec::SmallVec;
 use std::collections::BTreeSet;
 
-/// Place in a program from which a node comes, for messages, traces and the debugger.
+/// Place in a program from which a node or fragment comes, for messages, traces and the debugger.
 #[derive(Clone, PartialEq, Eq, Debug)]
 pub struct Origin {
     /// Location in a source text; [`Span::NONE`] if there is none.
     pub span: Span,
-    /// Name of the flow in the source, if it has one; flows in unnamed calls have a numbered call as prefix (`y#0.k`).
+    /// Name of the flow in the program; `None` if it has none. A flow inside an unnamed call has the number of the call
+    /// in its name: `y#0.k`.
     pub flow: Option<String>,
 }
 
-/// Returns a flow's name without its unnamed calls: `k` for `y#0.k`, the flow `k` in the first call in `y`'s equation.
+/// Returns the name of a flow without the parts for unnamed calls: `k` for `y#0.k`, which is the flow `k` in the first
+/// call in the equation of `y`.
 #[must_use]
 pub fn strip_unnamed_calls(flow: &str) -> String {
     let named: Vec<&str> = flow.split('.').filter(|part| !part.contains('#')).collect();
@@ -28,33 +30,33 @@ pub fn strip_unnamed_calls(flow: &str) -> String {
     }
 }
 
-/// Types of some ports. One is stored inline, since most primitives have one output.
+/// Types of ports of one node. One element is stored inline, since most primitives have one output.
 pub type Types = SmallVec<[Type; 1]>;
 
-/// Sources of the in-ports of a primitive. Three are stored inline, since few primitives have more.
+/// Sources of the in-ports of a node. Three elements are stored inline, since few primitives have more.
 pub type Inputs = SmallVec<[Input; 3]>;
 
-/// Instance of a primitive in a net.
+/// Node of a net: an instance of a primitive.
 #[derive(Clone, PartialEq, Debug)]
 pub struct Node {
     /// Name of the node, unique within its fragment.
     pub name: String,
-    /// Primitive that the node is an instance of.
+    /// Primitive of which the node is an instance.
     pub prim: PrimId,
     /// Fragment that directly contains the node.
     pub fragment: FragmentId,
-    /// Source of each declared in-port.
+    /// Source of each declared in-port of the primitive, in order.
     pub inputs: Inputs,
-    /// Value of each declared parameter, with defaults filled in.
+    /// Value of each declared parameter of the primitive, in order, with defaults filled in.
     pub params: Vec<Value>,
-    /// Type of each declared out-port, with sizes resolved.
+    /// Type of each declared out-port of the primitive, in order, with array sizes resolved.
     pub outputs: Types,
-    /// Source of the node in the program text.
+    /// Place of the node in the program text.
     pub origin: Origin,
 }
 
 impl Node {
-    /// Descriptor of the node's primitive.
+    /// Returns the descriptor of the node's primitive.
     #[must_use]
     pub fn desc(&self) -> &'static PrimDesc {
         self.prim.desc()
@@ -68,49 +70,52 @@ pub struct Fragment {
     pub name: String,
     /// Enclosing fragment; `None` for the root.
     pub parent: Option<FragmentId>,
-    /// Cycles in which the fragment is evaluated.
+    /// Condition that decides in each cycle whether the fragment is evaluated.
     pub activation: Activation,
-    /// Cycles in which the state of the fragment is reset.
+    /// Condition that decides in each cycle whether the state of the fragment is reset.
     pub restart: Restart,
-    /// Whether the fragment only groups operations of one clock. Such a fragment is not a vertex of the dependency
-    /// graph: each of its operations waits only for its own inputs, and the fragment may be entered several times in a
-    /// cycle.
+    /// Whether the fragment only groups the operations of one clock.
+    ///
+    /// Such a fragment is not a vertex of the dependency graph: each of its operations waits only for its own inputs,
+    /// and the fragment may be entered several times in a cycle.
     pub is_clock: bool,
-    /// In-ports declared in the source. A declared in-port is a dependency of the fragment even if no node in it reads
-    /// the port.
+    /// In-ports declared in the program. The fragment depends on a declared in-port even if no node in the fragment
+    /// reads it.
     pub inputs: Vec<FragmentPort>,
-    /// Named out-ports; those of the root are the out-ports of the command.
+    /// Named out-ports. Those of the root fragment are the out-ports of the command.
     pub outputs: Vec<FragmentPort>,
-    /// Declared execution time budget in nanoseconds.
+    /// Declared execution time budget per cycle, in nanoseconds; `None` if none is declared.
     pub budget_ns: Option<u64>,
-    /// Source of the fragment in the program text.
+    /// Place of the fragment in the program text.
     pub origin: Origin,
 }
 
-/// Named port on the border of a fragment: an alias without delay.
+/// Named port on the border of a fragment: another name, without delay, for a flow or constant.
 #[derive(Clone, PartialEq, Debug)]
 pub struct FragmentPort {
-    /// Name of the port.
+    /// Name of the port, unique among the in-ports or out-ports of its fragment.
     pub name: String,
-    /// Flow or constant that the port carries.
+    /// Flow or constant for which the port is another name.
     pub source: Input,
 }
 
-/// Cycles in which a fragment is evaluated, given that its parent is evaluated.
+/// Condition that decides whether a fragment is evaluated in a cycle in which its parent is.
 #[derive(Clone, PartialEq, Debug)]
 pub enum Activation {
-    /// Active in every cycle of the parent.
+    /// The fragment is active in every cycle in which its parent is.
     Always,
-    /// Active in cycles in which the condition is true.
+    /// The fragment is active in cycles in which the condition is true.
     When {
-        /// Boolean flow, computed in an enclosing fragment or in a sibling. A flow of a sibling may be absent.
+        /// Boolean flow that is computed in an enclosing fragment or in a sibling of the fragment. A flow of a sibling
+        /// may be absent.
         condition: PortRef,
-        /// Meaning of an absent condition.
+        /// Effect of a condition that is absent in a cycle.
         if_absent: AbsentPolicy,
     },
 }
 
-/// Meaning of an absent activation condition. Programs need a total condition; in imported nets the fragment runs.
+/// Effect of an absent activation condition on a fragment. In programs a condition is always present; in imported nets
+/// the fragment is then active.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub enum AbsentPolicy {
     /// An absent condition leaves the fragment inactive.
@@ -119,10 +124,10 @@ pub enum AbsentPolicy {
     Active,
 }
 
-/// Cycles in which the state of a fragment is reset.
+/// Condition that decides whether the state of a fragment is reset in a cycle.
 #[derive(Clone, PartialEq, Debug)]
 pub enum Restart {
-    /// The state is never reset: the fragment resumes with its last state.
+    /// The state is never reset. A fragment that becomes active again continues with its last state.
     Never,
     /// The state is reset in each cycle in which the fragment becomes active after an inactive cycle.
     OnActivation,
@@ -133,9 +138,9 @@ pub enum Restart {
 /// Kind of a result with which a command ends.
 #[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Debug)]
 pub enum ResultKind {
-    /// `finish`: the robot is at rest.
+    /// `finish`: the command ends with the robot at rest.
     Finish,
-    /// `yield`: the robot may be in motion; taken only if a successor takes over.
+    /// `yield`: the command ends, possibly in motion, and only if a successor takes over.
     Yield,
     /// `fail`: the command ends with an error.
     Fail,
@@ -148,79 +153,81 @@ pub struct ResultPort {
     pub name: String,
     /// Whether the result is a `finish`, a `yield` or a `fail`.
     pub kind: ResultKind,
-    /// Boolean that ends the command with this result.
+    /// Boolean flow or constant; the command ends with this result when it is true.
     pub condition: Input,
-    /// Source of the result in the program text.
+    /// Place of the result in the program text.
     pub origin: Origin,
 }
 
-/// Flow that is published after each cycle.
+/// Flow that a command publishes after each cycle.
 #[derive(Clone, PartialEq, Debug)]
 pub struct ExportPort {
     /// Key under which the flow is published.
     pub key: String,
-    /// Published flow.
+    /// Flow that the command publishes under the key.
     pub source: PortRef,
-    /// Source of the export in the program text.
+    /// Place of the export in the program text.
     pub origin: Origin,
 }
 
 /// Signals by which a net ends.
 #[derive(Clone, PartialEq, Debug)]
 pub enum Termination {
-    /// Named results (commands of `.rpi`).
+    /// Named results, for commands compiled from `.rpi` programs.
     Results(Vec<ResultPort>),
-    /// Root ports of the reference system: `outTerminate` ends the net, `outFail` is its error number (0: no error).
+    /// Out-ports of the root fragment, as in the reference system: `outTerminate` ends the net, `outFail` is the error
+    /// number (0: no error).
     Ports {
-        /// Source of `outTerminate`, if the net has this port.
+        /// Source of the out-port `outTerminate`; `None` if the net does not have the port.
         terminate: Option<Input>,
-        /// Source of `outFail`, if the net has this port.
+        /// Source of the out-port `outFail`; `None` if the net does not have the port.
         fail: Option<Input>,
     },
 }
 
-/// Ports of a device that drive the same actuator: a command may write at most one of them in a cycle.
+/// Ports of a device that drive the same actuator. A command may write at most one of them in a cycle.
 #[derive(Clone, PartialEq, Eq, Debug)]
 pub struct Alternatives {
-    /// Name of the device.
+    /// Name of the device in the program, such as `arm`.
     pub device: String,
-    /// Names of the mutually exclusive ports.
+    /// Names of the ports, of which a command may write at most one in a cycle.
     pub ports: Vec<String>,
 }
 
-/// Input of a command: taken over from the previous command at the start, set from outside if there is none.
+/// Input of a command. Its value is taken over from the previous command at the start, or set by the host if there is
+/// no previous command.
 #[derive(Clone, PartialEq, Eq, Debug)]
 pub struct CommandInput {
-    /// Name under which the host sets the input.
+    /// Name under which the host sets the value of the input.
     pub key: String,
-    /// Whether the input has no default, so that a value must be supplied.
+    /// Whether the input has no default, so that the host must supply a value if there is no previous command.
     pub is_required: bool,
 }
 
-/// Dataflow net of one command, ready for the passes.
+/// Dataflow net of one command: nodes, the fragments that contain them, and the ports to the outside.
 #[derive(Clone, PartialEq, Debug)]
 pub struct Net {
-    /// Name of the command, or of the file.
+    /// Name of the command, or of the file from which the net was imported.
     pub name: String,
-    /// All nodes in declaration order, which breaks ties in schedules.
+    /// All nodes in declaration order. The order breaks ties in schedules.
     pub nodes: Vec<Node>,
-    /// All fragments. The first is the root; parents come before children.
+    /// All fragments in declaration order. The first is the root; parents come before their children.
     pub fragments: Vec<Fragment>,
     /// Signals by which the net ends.
     pub termination: Termination,
-    /// Inputs that the net takes over from the previous command.
+    /// Inputs whose values the command takes over from its predecessor.
     pub command_inputs: Vec<CommandInput>,
-    /// Flows that the net publishes besides the primitives with an export role.
+    /// Flows that the command publishes, in addition to the inputs of export primitives among the nodes.
     pub exports: Vec<ExportPort>,
-    /// Groups of mutually exclusive device ports.
+    /// Groups of device ports that drive the same actuator.
     pub alternatives: Vec<Alternatives>,
-    /// Assertions and contracts of the program, as far as the net publishes them.
+    /// Assertions and contract clauses of the program that the net publishes.
     pub claims: Vec<Claim>,
     /// Coverage points of the program text; empty unless they were requested.
     pub coverage_points: CoveragePoints,
-    /// Locations in a fragment at which the delay of an enclosing fragment is read (`last x`).
+    /// Locations of `last x` in fragments where `x` is a flow of an enclosing fragment, whose delay is then read.
     pub outer_delays: BTreeSet<Span>,
-    /// Whether the net is a test. A test that does not finish counts as failed.
+    /// Whether the net is a test. A test that does not end with a `finish` counts as failed.
     pub is_test: bool,
 }
 
@@ -283,19 +290,19 @@ impl Net {
         (0..u32::try_from(self.nodes.len()).unwrap_or(u32::MAX)).map(NodeId)
     }
 
-    /// Returns all fragment indices; each parent comes before its children.
+    /// Returns all fragment indices in ascending order; each parent comes before its children.
     pub fn fragment_ids(&self) -> impl DoubleEndedIterator<Item = FragmentId> + use<> {
         (0..u32::try_from(self.fragments.len()).unwrap_or(u32::MAX)).map(FragmentId)
     }
 
-    /// Adds a node and returns its index.
+    /// Adds a node at the end of [`Net::nodes`] and returns its index.
     pub fn add_node(&mut self, node: Node) -> NodeId {
         let id = NodeId(u32::try_from(self.nodes.len()).expect("a net has fewer than 2^32 nodes"));
         self.nodes.push(node);
         id
     }
 
-    /// Adds a fragment and returns its index.
+    /// Adds a fragment at the end of [`Net::fragments`] and returns its index.
     pub fn add_fragment(&mut self, fragment: Fragment) -> FragmentId {
         let id = FragmentId(
             u32::try_from(self.fragments.len()).expect("a net has fewer than 2^32 fragments"),
@@ -304,12 +311,13 @@ impl Net {
         id
     }
 
-    /// Returns a fragment and all fragments that enclose it, innermost first.
+    /// Returns the fragment and all fragments that enclose it, innermost first.
     pub fn ancestors(&self, id: FragmentId) -> impl Iterator<Item = FragmentId> + '_ {
         std::iter::successors(Some(id), |f| self.fragment(*f).parent)
     }
 
-    /// Returns the path of a fragment or node name, `outer/inner/name`. The nameless root is left out.
+    /// Returns the path of a node or fragment `name` that is directly in `fragment`: `outer/inner/name`. The nameless
+    /// root is left out.
     #[must_use]
     pub fn path(&self, fragment: FragmentId, name: &str) -> String {
         let mut parts: Vec<&str> = self

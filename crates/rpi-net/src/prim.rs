@@ -1,6 +1,7 @@
 //! Macro for primitives with a name that is known at compile time.
 
-/// Constant [`PrimId`](crate::PrimId) of a registered primitive name. An unregistered name is a compile-time error.
+/// Constant [`PrimId`](crate::PrimId) of the primitive with this registered name. An unregistered name is a
+/// compile-time error.
 #[macro_export]
 macro_rules! prim {
     ($name:literal) => {

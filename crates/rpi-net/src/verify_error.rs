@@ -3,7 +3,7 @@
 use rpi_diag::Span;
 use std::fmt;
 
-/// Violated postcondition of a pass, described for compiler developers.
+/// Error: the net violates an invariant, or the result of a pass is wrong. The text is for compiler developers.
 #[derive(Clone, PartialEq, Eq, Debug)]
 pub struct VerifyError {
     text: String,
@@ -11,7 +11,7 @@ pub struct VerifyError {
 }
 
 impl VerifyError {
-    /// Returns a violation with this text and no location.
+    /// Creates an error with this text and without a location.
     #[must_use]
     pub fn new(text: impl Into<String>) -> Self {
         VerifyError {
@@ -20,7 +20,7 @@ impl VerifyError {
         }
     }
 
-    /// Returns the violation with the source location that caused it.
+    /// Returns the error with the location in the source text that caused it.
     #[must_use]
     pub fn with_span(self, place: Span) -> Self {
         VerifyError {
@@ -29,7 +29,7 @@ impl VerifyError {
         }
     }
 
-    /// Source location that caused the violation; [`Span::NONE`] if it is unknown.
+    /// Returns the location in the source text that caused the error; [`Span::NONE`] if it is unknown.
     #[must_use]
     pub fn span(&self) -> Span {
         self.span

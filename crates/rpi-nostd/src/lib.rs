@@ -15,7 +15,7 @@ mod proof {
     extern crate rpi_kin as _;
     extern crate rpi_prims as _;
 
-    /// Panic handler that loops forever: without `std` there is nothing that could report the panic.
+    /// Panic handler that loops forever: without `std`, no code can report the panic.
     #[panic_handler]
     fn panic(_: &core::panic::PanicInfo<'_>) -> ! {
         loop {

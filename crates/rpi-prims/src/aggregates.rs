@@ -4,7 +4,8 @@ use crate::operand::PrimState;
 use crate::value_types::FlowType;
 use core::marker::PhantomData;
 
-/// Handle to an array of values stored contiguously.
+/// Handle to an array of values in the memory slots of a command, stored contiguously. The handle does not own the
+/// slots.
 #[derive(Debug)]
 pub struct Array<T> {
     at: usize,
@@ -37,20 +38,21 @@ impl<T: FlowType> Array<T> {
         self.len
     }
 
-    /// Returns whether the array is empty.
+    /// Returns true if the array has no elements.
     #[must_use]
     pub const fn is_empty(self) -> bool {
         self.len == 0
     }
 
-    /// Returns the value at `index`; `None` if the index is out of range.
+    /// Returns the value at `index`, counted from 0, in the memory `cells`; `None` if the index is out of range.
     #[must_use]
     pub fn get(self, cells: &[u64], index: i64) -> Option<T> {
         let index = usize::try_from(index).ok().filter(|&k| k < self.len)?;
         Some(T::load(cells, self.at + index * T::SLOTS))
     }
 
-    /// Overwrites the value at `index`. Returns false if the index is out of range.
+    /// Overwrites the value at `index`, counted from 0, in the memory `cells`. Returns false if the index is out of
+    /// range.
     pub fn set(self, cells: &mut [u64], index: i64, value: T) -> bool {
         let index = usize::try_from(index).ok().filter(|&k| k < self.len);
         if let Some(k) = index {
@@ -59,7 +61,8 @@ impl<T: FlowType> Array<T> {
         index.is_some()
     }
 
-    /// Copies `from[start..]` to all of this array. Returns false if `from` is too short. Both arrays may overlap.
+    /// Copies the elements of `from` from index `start` on to all elements of this array. Returns false if `from` has
+    /// too few elements. The arrays may overlap.
     pub fn copy(self, cells: &mut [u64], from: Self, start: i64) -> bool {
         let start = usize::try_from(start).ok();
         let start_in_range =
@@ -71,7 +74,7 @@ impl<T: FlowType> Array<T> {
         start_in_range.is_some()
     }
 
-    /// Sets all values to `value`.
+    /// Sets all elements of the array to `value`.
     pub fn fill(self, cells: &mut [u64], value: T) {
         for k in 0..self.len {
             value.store(cells, self.at + k * T::SLOTS);
@@ -79,47 +82,47 @@ impl<T: FlowType> Array<T> {
     }
 }
 
-/// Handle to a dense matrix of reals, stored row by row.
+/// Handle to a dense matrix of reals in the memory slots of a command, stored row by row.
 #[derive(Clone, Copy, Debug)]
 pub struct Matrix {
     at: usize,
-    /// Number of rows.
+    /// Number of rows of the matrix.
     pub rows: usize,
-    /// Number of columns.
+    /// Number of columns of the matrix.
     pub cols: usize,
 }
 
 impl Matrix {
-    /// Creates a handle to the matrix that starts at slot `at`.
+    /// Creates a handle to the matrix of `rows` by `cols` reals that starts at slot `at`.
     #[must_use]
     pub const fn new(at: usize, rows: usize, cols: usize) -> Self {
         Matrix { at, rows, cols }
     }
 
-    /// Returns the elements, row by row.
+    /// Returns a handle to the elements of the matrix, row by row.
     #[must_use]
     pub const fn elements(self) -> Array<f64> {
         Array::new(self.at, self.rows * self.cols)
     }
 
-    /// Returns an element; `None` if an index is out of range.
+    /// Returns an element of the matrix; `None` if an index, counted from 0, is out of range.
     #[must_use]
     pub fn get(self, cells: &[u64], row: usize, col: usize) -> Option<f64> {
         self.slot_of(row, col).map(|at| f64::load(cells, at))
     }
 
-    /// Returns an element; 0 if an index is out of range.
+    /// Returns an element of the matrix; 0 if an index, counted from 0, is out of range.
     #[must_use]
     pub fn get_or_zero(self, cells: &[u64], row: usize, col: usize) -> f64 {
         self.get(cells, row, col).unwrap_or(0.0)
     }
 
-    /// Returns all pairs (row, column), row by row.
+    /// Returns all index pairs (row, column) of the matrix, row by row.
     pub fn indices(self) -> impl Iterator<Item = (usize, usize)> {
         (0..self.rows).flat_map(move |row| (0..self.cols).map(move |col| (row, col)))
     }
 
-    /// Sets each element to the result of `element` for its row and column.
+    /// Sets each element of the matrix to the result of `element` for the memory, its row and its column.
     pub fn fill_with(self, cells: &mut [u64], element: impl Fn(&[u64], usize, usize) -> f64) {
         for (row, col) in self.indices() {
             let value = element(cells, row, col);
@@ -127,7 +130,7 @@ impl Matrix {
         }
     }
 
-    /// Overwrites an element. Returns false if an index is out of range.
+    /// Overwrites an element of the matrix. Returns false if an index, counted from 0, is out of range.
     pub fn set(self, cells: &mut [u64], row: usize, col: usize, value: f64) -> bool {
         let place = self.slot_of(row, col);
         if let Some(at) = place {
@@ -141,12 +144,12 @@ impl Matrix {
     }
 }
 
-/// State with a size that depends on parameters: a range of slots.
+/// State of a primitive whose size depends on parameters: a range of memory slots.
 #[derive(Clone, Copy, Debug)]
 pub struct StateRange {
-    /// First slot.
+    /// Index of the first memory slot of the state.
     pub start: usize,
-    /// Number of slots.
+    /// Number of memory slots of the state.
     pub len: usize,
 }
 

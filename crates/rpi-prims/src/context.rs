@@ -6,13 +6,13 @@ use rpi_device::DeviceBank;
 /// Times of one cycle, equal for all primitives of a command: period, tick, logical time and system time.
 #[derive(Clone, Copy, PartialEq, Debug)]
 pub struct CycleTime {
-    /// Period of the command, s.
+    /// Time between two cycles of the command, in seconds.
     pub dt: f64,
-    /// Length of a tick, ns: the unit of values of type `time`.
+    /// Duration of a tick of the control core, ns.
     pub tick_ns: u64,
-    /// Period of the command, in ticks.
+    /// Time between two cycles of the command, in ticks of the control core.
     pub period_ticks: u64,
-    /// Number of the cycle of the command, from 0.
+    /// Number of cycles of the command before this one.
     pub cycle_index: u64,
     /// Logical time of the cycle, ns since the Unix epoch.
     pub net_ns: i64,
@@ -31,21 +31,21 @@ impl CycleTime {
         wall_ns: 0,
     };
 
-    /// Returns the duration of `ticks` in s, as the nearest real.
+    /// Returns the duration of `ticks` ticks in s, as the nearest real.
     #[must_use]
     pub fn seconds(&self, ticks: i64) -> f64 {
         seconds(ticks, self.tick_ns)
     }
 
-    /// Returns the smallest whole number of ticks that is not shorter than `seconds`. `None` for not-a-number and for
-    /// values out of the 64-bit range.
+    /// Returns the smallest whole number of ticks that is not shorter than `seconds`. `None` for not-a-number and if
+    /// the number of ticks is out of the 64-bit range.
     #[must_use]
     pub fn whole_ticks(&self, seconds: f64) -> Option<i64> {
         checked_whole_ticks(seconds, self.tick_ns)
     }
 }
 
-/// Returns the smallest whole number of ticks of `tick_ns` nanoseconds that is not shorter than `seconds`. Values out
+/// Returns the smallest whole number of ticks of `tick_ns` nanoseconds that is not shorter than `seconds`. Numbers out
 /// of the 64-bit range saturate: `1e300[s]` means never. Not-a-number becomes 0.
 #[must_use]
 pub fn whole_ticks(seconds: f64, tick_ns: u64) -> i64 {
@@ -58,7 +58,8 @@ pub fn whole_ticks(seconds: f64, tick_ns: u64) -> i64 {
 }
 
 fn checked_whole_ticks(seconds: f64, tick_ns: u64) -> Option<i64> {
-    /// Largest time, ns, at which a real resolves fractions of 1 ns (2^53). Above it, the quotient cannot be improved.
+    /// Time in ns (2^53) above which a real cannot represent fractions of 1 ns, so that the quotient cannot be
+    /// improved.
     const EXACT: f64 = 9_007_199_254_740_992.0;
     /// Largest real below 2^63.
     const MOST: f64 = 9_223_372_036_854_774_784.0;
@@ -76,14 +77,14 @@ fn checked_whole_ticks(seconds: f64, tick_ns: u64) -> Option<i64> {
     (about.saturating_sub(2)..=about.saturating_add(2)).find(takes)
 }
 
-/// Returns the duration of `ticks` of `tick_ns` nanoseconds in s. The result is the real nearest to the decimal number
-/// of seconds.
+/// Returns the duration of `ticks` ticks of `tick_ns` nanoseconds in s. The result is the real nearest to the decimal
+/// number of seconds.
 #[must_use]
 pub fn seconds(ticks: i64, tick_ns: u64) -> f64 {
     ticks as f64 * tick_ns as f64 / 1e9
 }
 
-/// Cause of a fault of a cycle.
+/// Cause of a fault (run-time error) of a cycle.
 #[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Debug)]
 pub enum FaultCode {
     /// Integer result out of the 64-bit range.
@@ -104,11 +105,12 @@ pub enum FaultCode {
     DeviceFailed,
     /// No set-point for a moving resource; the resource was stopped.
     SetPointMissing,
-    /// First set-point after a switch that does not continue the previous ones within the limits of the device.
+    /// First set-point after a takeover that does not continue those of the predecessor within the limits of the
+    /// device.
     Discontinuity,
-    /// False assertion or contract.
+    /// Assertion, or clause of a contract, that is false.
     AssertionFailed,
-    /// Value outside its declared subrange.
+    /// Integer outside its declared subrange.
     OutsideSubrange,
     /// Emergency stop requested by the command.
     EmergencyStop,
@@ -119,16 +121,16 @@ pub enum FaultCode {
 pub enum FaultValues {
     /// The cause has no values, or they are not known.
     Unknown,
-    /// Index, and the number of elements that it must be below.
+    /// Index that is out of range, and the number of elements.
     Index {
         /// Index that was out of bounds, from 0.
         index: i64,
         /// Number of elements of the array, or of rows or columns of the matrix.
         length: i64,
     },
-    /// Value, and the range that must contain it.
+    /// Integer that is out of range, and the range that must contain it.
     Range {
-        /// The value.
+        /// Integer that lies outside of its subrange.
         value: i64,
         /// Lowest value of the range.
         from: i64,
@@ -137,24 +139,25 @@ pub enum FaultValues {
     },
     /// Real number that cannot be converted.
     Real {
-        /// Bits of the number ([`f64::from_bits`]).
+        /// Bits of the real number, as of [`f64::from_bits`].
         bits: u64,
     },
 }
 
-/// First fault of a cycle.
+/// First fault (run-time error) of a cycle.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub struct Fault {
-    /// Cause of the fault.
+    /// Cause of the fault, such as a division by zero.
     pub code: FaultCode,
-    /// Values that caused the fault.
+    /// Numbers for the message, such as the index and the size of the array; [`FaultValues::Unknown`] for most codes.
     pub values: FaultValues,
-    /// First output slot of the primitive that raised the fault. The image maps it to a source location.
+    /// First output slot of the primitive that raised the fault. The image (the compiled command) maps the slot to a
+    /// source location.
     pub slot: u32,
 }
 
 impl Fault {
-    /// Returns a fault at a slot of the image whose cause has no values.
+    /// Creates a fault at a memory slot of the command, with a cause that has no values.
     #[must_use]
     pub const fn new(code: FaultCode, slot: u32) -> Fault {
         Fault {
@@ -165,7 +168,7 @@ impl Fault {
     }
 }
 
-/// Execution context of a primitive: memory, clocks and devices for one call.
+/// Execution context of a call of a primitive: memory, times and devices.
 pub struct Context<'a> {
     /// All memory slots of the command.
     pub slots: &'a mut [u64],
@@ -173,18 +176,19 @@ pub struct Context<'a> {
     pub time: CycleTime,
     /// Devices of the robot cell, for primitives that access them.
     pub devices: &'a mut dyn DeviceBank,
-    /// First fault of the cycle so far.
+    /// First fault of the cycle so far; `None` without a fault.
     pub fault: Option<Fault>,
 }
 
 impl Context<'_> {
-    /// Records a fault, unless the cycle already has one. The cycle continues, and its set-points are discarded.
+    /// Records a fault at the memory slot `cell`, unless the cycle already has one. The cycle continues, and its
+    /// set-points are discarded.
     #[cold]
     pub fn fault(&mut self, code: FaultCode, cell: u32) {
         self.fault.get_or_insert(Fault::new(code, cell));
     }
 
-    /// Records a fault with the values that caused it, unless the cycle already has a fault.
+    /// Records a fault at the memory slot `cell` with the values that caused it, unless the cycle already has a fault.
     #[cold]
     pub fn fault_by(&mut self, code: FaultCode, cell: u32, values: FaultValues) {
         self.fault.get_or_insert(Fault {

@@ -3,7 +3,8 @@
 use crate::context::Context;
 use crate::operand::{Operand, PortTuple, PrimState};
 
-/// Runs the code of a primitive without state on values that are present. This is the hot path.
+/// Runs the code of a primitive without state, once per group of operand words, on values that are all present. Most
+/// steps of a cycle run here.
 #[inline(always)]
 pub(crate) fn pure<I: Operand, O: Operand>(
     cx: &mut Context<'_>,
@@ -17,8 +18,8 @@ pub(crate) fn pure<I: Operand, O: Operand>(
     }
 }
 
-/// Runs the code of a primitive with state, parameters, times or faults. The order of operand words is inputs,
-/// parameters, outputs, state.
+/// Runs the code of a primitive with state, parameters, times or faults, once per group of operand words. The order of
+/// the words in a group is inputs, parameters, outputs, state.
 #[inline(always)]
 pub(crate) fn with_context<I: Operand, P: Operand, O: Operand, S: PrimState>(
     cx: &mut Context<'_>,
@@ -37,7 +38,8 @@ pub(crate) fn with_context<I: Operand, P: Operand, O: Operand, S: PrimState>(
     }
 }
 
-/// Runs the code of a primitive whose inputs may be absent, on ports that are always present. See [`full`].
+/// Runs the code of a primitive whose ports may be absent, with state, parameters, times or faults, on ports that are
+/// always present.
 #[inline(always)]
 pub(crate) fn full_present<I: PortTuple, P: Operand, O: PortTuple, S: PrimState>(
     cx: &mut Context<'_>,
@@ -49,8 +51,7 @@ pub(crate) fn full_present<I: PortTuple, P: Operand, O: PortTuple, S: PrimState>
     });
 }
 
-/// Runs the code of a primitive without state whose inputs may be absent, on ports that are always present. See
-/// [`pure`].
+/// Runs the code of a primitive without state whose ports may be absent, on ports that are always present.
 #[inline(always)]
 pub(crate) fn pure_present<I: PortTuple, O: PortTuple>(
     cx: &mut Context<'_>,
@@ -60,7 +61,7 @@ pub(crate) fn pure_present<I: PortTuple, O: PortTuple>(
     pure::<I, O>(cx, words, |i| O::unwrap_or_neutral(code(i.into_options())));
 }
 
-/// Runs the code of a primitive that writes its array outputs itself.
+/// Runs the code of a primitive all of whose outputs are arrays or matrices, which the code writes itself.
 #[inline(always)]
 pub(crate) fn bulk<I: Operand, P: Operand, O: Operand>(
     cx: &mut Context<'_>,
@@ -90,7 +91,7 @@ pub(crate) fn mixed<I: Operand, P: Operand, O: Operand>(
     }
 }
 
-/// Runs the code of a primitive that writes one array output and returns whether the output is present. See [`bulk`].
+/// Runs the code of a primitive that writes one array output itself and returns whether the output is present.
 #[inline(always)]
 pub(crate) fn bulk_maybe<I: Operand, P: Operand, O: Operand>(
     cx: &mut Context<'_>,

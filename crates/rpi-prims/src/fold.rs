@@ -44,7 +44,8 @@ pub fn fold(
     })
 }
 
-/// Runs the code of a primitive at the given times. Returns the fault that it raises.
+/// Runs the code of a primitive once, on the memory `cells` with the operands `words`, in a cycle with the times
+/// `clock`. Returns the fault that it raises; `None` without a fault.
 fn run(code: RunFn, cells: &mut [u64], words: &[u32], clock: CycleTime) -> Option<FaultCode> {
     let mut cx = Context {
         slots: cells,
@@ -77,7 +78,7 @@ const TIMES: [CycleTime; 2] = [
     },
 ];
 
-/// Memory slots and operand words for one call of a primitive.
+/// Memory slots and operand words for one call of a primitive at compile time.
 #[derive(Default)]
 struct Memory {
     cells: Vec<u64>,
@@ -85,7 +86,8 @@ struct Memory {
 }
 
 impl Memory {
-    /// Appends an operand with the content `cells` to the call. A text has no slots and no operand word.
+    /// Appends an operand with the slots `cells` to the call. `ty` is `None` for a text, which has no slots and no
+    /// operand word.
     fn operand(&mut self, ty: Option<Type>, cells: &[u64]) {
         let Some(ty) = ty else {
             return;

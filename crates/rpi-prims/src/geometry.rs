@@ -7,7 +7,7 @@ use crate::value_types::{Rotation, Vector};
 use core::f64::consts::FRAC_PI_2;
 use nalgebra::{Quaternion, UnitQuaternion};
 
-/// Returns the rotation by `a` about z, then `b` about the new y, then `c` about the new x (rad).
+/// Returns the rotation by `a` about z, then by `b` about the new y, then by `c` about the new x (all in rad).
 #[must_use]
 pub fn from_abc(a: f64, b: f64, c: f64) -> Rotation {
     let half = |angle: f64| (libm::sin(angle / 2.0), libm::cos(angle / 2.0));
@@ -20,7 +20,7 @@ pub fn from_abc(a: f64, b: f64, c: f64) -> Rotation {
     ))
 }
 
-/// Returns the angles `a`, `b`, `c` of [`from_abc`], with `b` from -π/2 to π/2. If `b` is within 1e-12 of a limit
+/// Returns the angles `a`, `b`, `c` (rad) of [`from_abc`], with `b` from -π/2 to π/2. If `b` is within 1e-12 of a limit
 /// (gimbal lock), `a` and `c` rotate about the same axis; `c` is then 0.
 #[must_use]
 pub fn to_abc(rotation: Rotation) -> (f64, f64, f64) {
@@ -33,7 +33,7 @@ pub fn to_abc(rotation: Rotation) -> (f64, f64, f64) {
     (a, b, c)
 }
 
-/// Returns the rotation matrix, row by row.
+/// Returns the rotation matrix of a rotation, row by row.
 #[must_use]
 pub fn matrix(rotation: Rotation) -> [[f64; 3]; 3] {
     let m = rotation.to_rotation_matrix();
@@ -49,7 +49,7 @@ pub fn exp(vector: Vector) -> Rotation {
     UnitQuaternion::new_unchecked(Quaternion::from_parts(c, axis * s))
 }
 
-/// Returns the unit axis and the angle (0 to π) of a rotation. The axis is x for the identity.
+/// Returns the unit axis and the angle (rad, 0 to π) of a rotation. The axis is x for the identity.
 #[must_use]
 pub fn to_axis_angle(rotation: Rotation) -> (Vector, f64) {
     let sign = if rotation.w < 0.0 { -1.0 } else { 1.0 };
@@ -74,7 +74,7 @@ pub fn slerp(from: Rotation, to: Rotation, amount: f64) -> Rotation {
     from * exp(log(from.inverse() * to) * amount)
 }
 
-/// Returns whether two rotations are equal. Each rotation has two quaternions, `q` and `-q`.
+/// Returns true if two rotations are equal. The quaternions `q` and `-q` stand for the same rotation.
 pub fn is_same(a: Rotation, b: Rotation) -> bool {
     a.coords == b.coords || a.coords == -b.coords
 }

@@ -11,17 +11,17 @@ use core::marker::PhantomData;
 use core::ops::{Add, Sub};
 use nalgebra::Quaternion;
 
-/// Type that can be summed. All slots zero must represent zero.
+/// Type of value that can be summed in a [`Window`]. All-zero slots must represent zero.
 pub(crate) trait Summand: Copy + Add<Output = Self> + Sub<Output = Self> {
-    /// Number of slots.
+    /// Number of 64-bit slots that a value takes in the state of a window.
     const CELLS: u32;
     /// Returns zero, the value of all-zero slots.
     fn zero() -> Self {
         Self::load(&[0; 4], 0)
     }
-    /// Reads a value from `cells[at..]`.
+    /// Reads a value from the slots `cells[at..]`.
     fn load(cells: &[u64], at: usize) -> Self;
-    /// Writes the value to `cells[at..]`.
+    /// Writes the value to the slots `cells[at..]`.
     fn store(self, cells: &mut [u64], at: usize);
 }
 
@@ -54,7 +54,8 @@ impl Summand for Quaternion<f64> {
     }
 }
 
-/// Window over the last values of a flow, with their sum, stored in memory slots. All slots zero is the empty window.
+/// Handle to a window over the last values of a flow, with their sum, in memory slots. All-zero slots are an empty
+/// window.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Window<T> {
     at: usize,
@@ -64,16 +65,16 @@ pub(crate) struct Window<T> {
 
 impl<T: Summand> Window<T> {
     const ENTRY: usize = T::CELLS as usize;
-    /// Number of slots of a window before its entries.
+    /// Number of slots of a window before its values: position, number of values and two sums.
     const HEAD: usize = 2 + 2 * Self::ENTRY;
 
-    /// Returns the number of slots of a window over `entries` values.
+    /// Returns the number of slots of a window over at most `entries` values.
     pub(crate) fn cells(entries: u32) -> u32 {
         let head = 2 + 2 * T::CELLS;
         entries.max(1).saturating_mul(T::CELLS).saturating_add(head)
     }
 
-    /// Creates the handle to the window that fills the slots of a state.
+    /// Creates the handle to the window that occupies all slots of a state.
     pub(crate) fn from_region(region: StateRange) -> Self {
         Window {
             at: region.start,
@@ -82,7 +83,7 @@ impl<T: Summand> Window<T> {
         }
     }
 
-    /// Returns the maximum number of values.
+    /// Returns the maximum number of values in the window.
     pub(crate) fn capacity(self) -> usize {
         self.capacity
     }
@@ -92,12 +93,12 @@ impl<T: Summand> Window<T> {
         cells[self.at + 1] as usize
     }
 
-    /// Empties the window.
+    /// Removes all values from the window.
     pub(crate) fn clear(self, cells: &mut [u64]) {
         cells[self.at..self.entry(self.capacity)].fill(0);
     }
 
-    /// Returns the newest value; zero if the window is empty.
+    /// Returns the newest value in the window; zero if it is empty.
     pub(crate) fn newest(self, cells: &[u64]) -> T {
         T::load(
             cells,
@@ -105,7 +106,7 @@ impl<T: Summand> Window<T> {
         )
     }
 
-    /// Adds the newest value, removes the oldest one from a full window and returns the sum.
+    /// Adds the newest value to the window, removes the oldest one from a full window and returns the sum.
     pub(crate) fn push(self, cells: &mut [u64], value: T) -> T {
         let (sum_at, turn_at) = (self.at + 2, self.at + 2 + Self::ENTRY);
         let next = self.next(cells);

@@ -8,27 +8,27 @@ use crate::aggregates::{Array, Matrix};
 pub use crate::value_types::{FlowType, Pose, Rotation, Time, Twist, Vector, Wrench};
 use rpi_image::{ParamType, PortType};
 
-/// Value that is read and written through operand words: a port, or a tuple of ports.
+/// Type of an operand of a primitive, which is read and written through operand words: a port, or a tuple of ports.
 pub trait Operand: Sized {
     /// Number of 32-bit words that encode an operand of this type in an image.
     const WORDS: usize;
-    /// Reads the value; `words` starts at its first word.
+    /// Reads the value from the memory `cells`; `words` starts at the first operand word of the value.
     fn read(cells: &[u64], words: &[u32]) -> Self;
-    /// Writes the value; `words` starts at its first word.
+    /// Writes the value to the memory `cells`; `words` starts at the first operand word of the value.
     fn write(self, cells: &mut [u64], words: &[u32]);
 }
 
-/// Single port that is always present.
+/// Type of a single port that is always present.
 pub trait Port: Operand + Copy {
-    /// Declared type of the port.
+    /// Type of the port in the declaration of a primitive.
     const TYPE: PortType;
     /// Returns the value used if the code of a primitive outputs no value although its output must be present.
     fn neutral() -> Self;
 }
 
-/// Parameter of a primitive.
+/// Type of a parameter of a primitive.
 pub trait Parameter: Operand {
-    /// Declared type of the parameter.
+    /// Type of the parameter in the declaration of a primitive.
     const TYPE: ParamType;
 }
 
@@ -76,7 +76,7 @@ macro_rules! single_values {
 
 single_values!(bool, i64, f64, Time, Vector, Rotation, Pose, Twist, Wrench);
 
-/// An array operand is passed to the code as a handle; the code writes array outputs itself.
+/// Array as an operand: the code gets a handle to its slots and writes array outputs itself.
 impl<T: FlowType> Operand for Array<T> {
     const WORDS: usize = 2;
     #[inline(always)]
@@ -115,7 +115,7 @@ impl Port for Matrix {
     }
 }
 
-/// Port that may be absent. An absent output does not change its value slots.
+/// Port that may be absent, as an operand. Writing an absent output leaves its value slots unchanged.
 impl<T: Port> Operand for Option<T> {
     const WORDS: usize = T::WORDS + 1;
     #[inline(always)]
@@ -133,33 +133,34 @@ impl<T: Port> Operand for Option<T> {
 
 /// Tuple of ports that are always present, with the corresponding tuple of ports that may be absent.
 pub trait PortTuple: Operand {
-    /// The same ports, each with an optional value.
+    /// Ports of the same types whose values may be absent.
     type Options: Operand;
-    /// Converts present ports to options.
+    /// Converts values that are all present to options.
     fn into_options(self) -> Self::Options;
-    /// Returns the values. A missing value, which violates the presence rule of the primitive, becomes neutral.
+    /// Returns the values of the options. A missing value, which violates the presence rule of the primitive, becomes
+    /// the neutral value of its type.
     fn unwrap_or_neutral(maybe: Self::Options) -> Self;
 }
 
-/// State that a primitive keeps from cycle to cycle.
+/// State that a primitive stores from cycle to cycle.
 pub trait PrimState: Sized {
-    /// Number of operand words.
+    /// Number of 32-bit operand words in an image that locate the state.
     const WORDS: usize;
-    /// Number of slots; 0 if it depends on parameters.
+    /// Number of 64-bit slots of the state in memory; 0 if the number depends on parameters.
     const SLOTS: u32;
-    /// Reads the state; `words` starts at its first word.
+    /// Reads the state from the memory `cells`; `words` starts at its first operand word.
     fn load(cells: &[u64], words: &[u32]) -> Self;
-    /// Writes the state back.
+    /// Writes the state to the memory `cells`; `words` starts at its first operand word.
     fn store(self, cells: &mut [u64], words: &[u32]);
 }
 
-/// Component of a state, stored at fixed slots.
+/// Component of a state of fixed size, such as a real or a pose.
 pub trait StateField: Sized {
-    /// Number of 64-bit slots that a value of this type takes in memory.
+    /// Number of 64-bit slots that the component takes in memory.
     const SLOTS: usize;
-    /// Reads the component from `cells[at..]`.
+    /// Reads the component from the slots `cells[at..]`.
     fn load_state(cells: &[u64], at: usize) -> Self;
-    /// Writes the component to `cells[at..]`.
+    /// Writes the component to the slots `cells[at..]`.
     fn store_state(self, cells: &mut [u64], at: usize);
 }
 
@@ -175,7 +176,7 @@ impl<T: FlowType> StateField for T {
     }
 }
 
-/// Array of reals.
+/// Array of reals as a component of a state, one slot per element.
 impl<const N: usize> StateField for [f64; N] {
     const SLOTS: usize = N;
     #[inline(always)]
@@ -222,7 +223,7 @@ macro_rules! tuples {
                 ($(maybe.$i.unwrap_or_else(<$t as Port>::neutral),)*)
             }
         }
-        /// State of fixed size: components stored contiguously.
+        /// State of fixed size: a tuple of components, stored contiguously.
         impl<$($t: StateField),*> PrimState for ($($t,)*) {
             const WORDS: usize = (Self::SLOTS > 0) as usize;
             const SLOTS: u32 = 0 $(+ <$t as StateField>::SLOTS as u32)*;

@@ -13,14 +13,14 @@ use rpi_image::{PrimDesc, SizeArgs};
 /// parameters have no word. State is one word (fixed size) or two (first slot, length).
 pub type RunFn = fn(&mut Context<'_>, &[u32]);
 
-/// Entry of the registry of primitives: declaration and code of a primitive.
+/// Entry of the registry of primitives (basic operations of nets): declaration and code of a primitive.
 #[derive(Clone, Copy, Debug)]
 pub struct Prim {
-    /// Declaration of the primitive.
+    /// Declaration of the primitive: name, ports, parameters and state.
     pub desc: PrimDesc,
-    /// Code for inputs and outputs that are all present.
+    /// Code for ports that are all present; `None` if the core implements the primitive itself.
     pub total: Option<RunFn>,
-    /// Code for inputs and outputs that may be absent.
+    /// Code for ports that may be absent; `None` if the core implements the primitive itself.
     pub optional: Option<RunFn>,
     /// Function that writes the initial content of the state; `None` if it is zero.
     pub init: Option<fn(&SizeArgs<'_>, &mut [u64])>,
@@ -43,7 +43,8 @@ impl PrimId {
         &self.prim().desc
     }
 
-    /// Returns the primitive with this registered name. As a `const fn`, it lets constants check names at compile time.
+    /// Returns the primitive with this registered name; `None` if there is none. As a `const fn`, it lets constants
+    /// check names at compile time.
     #[must_use]
     pub const fn from_name(name: &str) -> Option<PrimId> {
         let all = registry();

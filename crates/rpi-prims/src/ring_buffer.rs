@@ -7,7 +7,7 @@ use crate::aggregates::StateRange;
 use crate::value_types::FlowType;
 use core::marker::PhantomData;
 
-/// Ring buffer of the last values of a flow, including absences.
+/// Handle to a ring buffer of the last values of a flow, including absences, in memory slots.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct RingBuffer<T> {
     at: usize,
@@ -19,14 +19,14 @@ impl<T: FlowType> RingBuffer<T> {
     const ENTRY: usize = 1 + T::SLOTS;
     const HEAD: usize = 2;
 
-    /// Returns the number of slots of a buffer with `entries` entries.
+    /// Returns the number of memory slots of a buffer for `entries` entries.
     pub(crate) fn cells(entries: u32) -> u32 {
         let entry = u32::try_from(Self::ENTRY).unwrap_or(u32::MAX);
         // At least one entry, because `push` computes modulo the capacity.
         entries.max(1).saturating_mul(entry).saturating_add(2)
     }
 
-    /// Creates the handle to the buffer that fills the slots of a state.
+    /// Creates the handle to the buffer that occupies all slots of a state.
     pub(crate) fn from_region(region: StateRange) -> Self {
         RingBuffer {
             at: region.start,
@@ -35,7 +35,7 @@ impl<T: FlowType> RingBuffer<T> {
         }
     }
 
-    /// Returns the maximum number of entries.
+    /// Returns the maximum number of entries of the buffer.
     pub(crate) fn capacity(self) -> usize {
         self.capacity
     }

@@ -9,15 +9,15 @@ pub trait FlowType: Copy {
     const SCALAR: Scalar;
     /// Number of 64-bit slots that a value of the type takes in memory.
     const SLOTS: usize = Self::SCALAR.slots() as usize;
-    /// Reads a value from `cells[at..]`.
+    /// Reads a value from the slots `cells[at..]`.
     fn load(cells: &[u64], at: usize) -> Self;
-    /// Writes the value to `cells[at..]`.
+    /// Writes the value to the slots `cells[at..]`.
     fn store(self, cells: &mut [u64], at: usize);
-    /// Returns the neutral value: false, zero or the identity.
+    /// Returns the neutral value of the type: false, zero or the identity.
     fn neutral() -> Self;
 }
 
-/// Point in time, ns since the Unix epoch.
+/// Point in time, in ns since the Unix epoch.
 #[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Debug, Default)]
 pub struct Time(pub i64);
 /// Position (m) or direction.
@@ -27,21 +27,21 @@ pub type Rotation = UnitQuaternion<f64>;
 /// Position (m) and orientation of one frame in another.
 pub type Pose = Isometry3<f64>;
 
-/// Velocity of a frame: linear (m/s) and angular (rad/s).
+/// Velocity of a rigid body (twist): linear and angular.
 #[derive(Clone, Copy, PartialEq, Debug, Default)]
 pub struct Twist {
-    /// Linear velocity, m/s.
+    /// Linear velocity of the reference point, m/s.
     pub linear: Vector,
-    /// Angular velocity, rad/s.
+    /// Angular velocity, as axis times rad/s.
     pub angular: Vector,
 }
 
-/// Force (N) and torque (N m).
+/// Force and torque at a reference point (wrench).
 #[derive(Clone, Copy, PartialEq, Debug, Default)]
 pub struct Wrench {
-    /// Force, N.
+    /// Force, in N.
     pub force: Vector,
-    /// Torque, N m.
+    /// Torque, in N m.
     pub torque: Vector,
 }
 

@@ -9,8 +9,8 @@ use crate::instance::{EvalContext, InstanceId, State};
 use crate::leaf;
 use crate::value::EvalError;
 
-/// Returns whether a block is active in this cycle (M6.2, M6.3). A block that restarts is reset before anything in
-/// it is evaluated.
+/// Returns whether a block (body, fragment or state of an automaton) of an instance is active in the current cycle
+/// (M6.2, M6.3). A block that restarts in this cycle is reset before anything in it is evaluated.
 pub(crate) fn is_active(
     interpreter: &mut Interpreter<'_>,
     instance: InstanceId,
@@ -39,7 +39,8 @@ pub(crate) fn is_active(
     Ok(active)
 }
 
-/// Evaluates the activation condition of a block, which belongs to the enclosing block.
+/// Evaluates the activation condition of a block (fragment or state of an automaton) if the enclosing block is active,
+/// because its evaluation may fault or update state. The condition belongs to the enclosing block.
 pub(crate) fn condition(
     interpreter: &mut Interpreter<'_>,
     instance: InstanceId,
@@ -62,7 +63,8 @@ pub(crate) fn condition(
     }
 }
 
-/// Returns whether a block is active, given that its parent is active.
+/// Returns whether a block is active, given that the enclosing block is active; `here` is the context of that enclosing
+/// block. Resets the block if it restarts in this cycle.
 fn is_activated(
     interpreter: &mut Interpreter<'_>,
     here: EvalContext,
@@ -95,7 +97,8 @@ fn is_activated(
     Ok(active)
 }
 
-/// Returns the state of an automaton in this cycle. Strong transitions are taken before the state runs.
+/// Returns the state of automaton number `k` of a block in the current cycle. Strong transitions (`unless`) are taken
+/// before the state runs.
 fn state(
     interpreter: &mut Interpreter<'_>,
     here: EvalContext,
@@ -119,7 +122,8 @@ fn state(
     Ok(state)
 }
 
-/// Returns the state of an automaton before strong transitions.
+/// Returns the state in which automaton number `k` of a block begins the current cycle, before its strong transitions
+/// (`unless`).
 fn before(interpreter: &mut Interpreter<'_>, here: EvalContext, block: BlockId, k: usize) -> State {
     let start = State {
         index: automaton(interpreter, here, block, k).initial,
@@ -129,8 +133,8 @@ fn before(interpreter: &mut Interpreter<'_>, here: EvalContext, block: BlockId, 
     memory.states.get(&k).copied().unwrap_or(start)
 }
 
-/// Returns the states that must restart when they run next. This includes a state that was entered with a restart
-/// and left before it ran (M14.6).
+/// Returns the indices of the states of automaton number `k` that must restart when they run next. These include states
+/// that were entered with a restart and left before they ran (M14.6). `before` is the state at the start of the cycle.
 fn pending_restarts(
     interpreter: &mut Interpreter<'_>,
     here: EvalContext,
@@ -146,9 +150,10 @@ fn pending_restarts(
     owed
 }
 
-/// Evaluates the transitions of an automaton; weak ones take effect in the next cycle. All conditions are
-/// evaluated. Those of strong transitions belong to the enclosing block and can fault only if the automaton is in
-/// their state; those of weak transitions belong to the state.
+/// Evaluates the transitions of automaton number `k` of a block and stores its state for the next cycle, in which weak
+/// transitions (`until`) take effect. All conditions are evaluated. The conditions of strong transitions (`unless`)
+/// belong to the enclosing block, and can fault only if the automaton is in the state of the transition; those of weak
+/// transitions belong to the state.
 pub(crate) fn transitions(
     interpreter: &mut Interpreter<'_>,
     here: EvalContext,
@@ -195,7 +200,8 @@ pub(crate) fn transitions(
     Ok(())
 }
 
-/// Returns the target of the first transition whose condition holds.
+/// Returns the target state of the first transition whose condition is true, and whether that state restarts; `None` if
+/// no condition is true.
 fn transition_target(
     interpreter: &mut Interpreter<'_>,
     here: EvalContext,
@@ -228,7 +234,8 @@ fn automaton<'p>(
         .automata[k]
 }
 
-/// Returns the automaton that has a block as a state, and the index of that state.
+/// Returns the index of the automaton that has `block` as a state, and the index of that state; `None` if `block` is
+/// not a state of any of the automata.
 fn state_of(automata: &[Automaton], block: BlockId) -> Option<(usize, u32)> {
     for (k, automaton) in automata.iter().enumerate() {
         for (index, state) in (0..).zip(&automaton.states) {

@@ -7,7 +7,8 @@ use crate::instance::{EvalContext, Instance, InstanceId};
 use crate::value::{EvalError, Leaf};
 use crate::{flow, leaf};
 
-/// Evaluates a call in this cycle and returns leaf number `k` of its outputs.
+/// Evaluates a call of a function, node or fragment in the current cycle and returns leaf (scalar part) number `k` of
+/// its outputs. The leaf is absent in a cycle in which the call does not run.
 pub(crate) fn result<'p>(
     interpreter: &mut Interpreter<'p>,
     here: EvalContext,
@@ -27,8 +28,9 @@ pub(crate) fn result<'p>(
     }
 }
 
-/// Returns the result of a conditionally activated call. While the call does not run, this is the result of its
-/// last run, which may be absent; before the first run it is the default of the first cycle.
+/// Returns leaf (scalar part) number `k` of a call with an activation condition. In a cycle in which the call runs,
+/// `ran` is the result. In other cycles the result of the last run is returned, which may be absent, and before the
+/// first run the value of `default`.
 fn held_result(
     interpreter: &mut Interpreter<'_>,
     here: EvalContext,
@@ -50,7 +52,7 @@ fn held_result(
     Ok(leaf)
 }
 
-/// Returns the instance of a call, or `None` if the call does not run in this cycle.
+/// Returns the instance of the callee that executes a call in the current cycle, or `None` if the call does not run.
 pub(crate) fn active_instance<'p>(
     interpreter: &mut Interpreter<'p>,
     here: EvalContext,
@@ -71,7 +73,7 @@ pub(crate) fn active_instance<'p>(
     Ok(entered)
 }
 
-/// Returns whether a call runs, and whether it restarts.
+/// Returns two Booleans: whether a call runs in the current cycle, and whether it starts with new state.
 fn resolve_activation(
     interpreter: &mut Interpreter<'_>,
     here: EvalContext,
@@ -124,7 +126,8 @@ fn instance<'p>(
     instance
 }
 
-/// Returns one leaf of the out-ports of an instance. The leaves of all out-ports are numbered consecutively.
+/// Returns leaf number `k` of the outputs of an instance. The leaves (scalar parts) of all out-ports are numbered
+/// consecutively.
 fn output(
     interpreter: &mut Interpreter<'_>,
     instance: InstanceId,
@@ -141,8 +144,8 @@ fn output(
     Err(EvalError::Unsupported("a missing out-port".to_owned()))
 }
 
-/// Returns whether the evaluation of a call is needed only where its value is needed: neither the callee nor
-/// anything that it calls has state (M6.7).
+/// Returns whether a call is evaluated only if the enclosing `if`s need its value: it runs in every cycle, and neither
+/// the callee nor anything that it calls has state (M6.7).
 pub(crate) fn is_stateless_call(interpreter: &Interpreter<'_>, call: &Call) -> bool {
     matches!(call.activation, Activation::Always) && is_stateless(interpreter, call.unit)
 }

@@ -16,55 +16,59 @@ use rpi_sema::typed::{
 
 pub(crate) use calls::call_of;
 
-/// Flow whose value decides in which cycles a sampled expression has a value.
+/// Clock condition: the flow whose value decides in which cycles a sampled expression has a value.
 #[derive(Clone, PartialEq, Eq, Debug)]
 pub(crate) enum ClockCondition {
-    /// Flow of the same unit.
+    /// Flow of the unit (function, node, command) that contains the sampled expression.
     Flow(FlowId),
-    /// Condition inside a call that has no name in the caller: the call, and the condition in the callee.
+    /// Condition inside a called unit, for which the caller has no name. The fields are the call and the condition as
+    /// the callee names it.
     InCall(ExprId, Box<ClockCondition>),
 }
 
-/// One sampling step: the cycles in which the condition has the given value.
+/// One sampling step of a clock. It selects the cycles in which the condition `by` has the given value: 0 or 1 for a
+/// Boolean, or the index of an enum value.
 #[derive(Clone, PartialEq, Eq, Debug)]
 pub(crate) struct Sampling {
     pub(crate) by: ClockCondition,
     pub(crate) value: u32,
 }
 
-/// Clock: the sampling steps, starting from all cycles of the block. `None` for a literal, which adapts to any clock.
+/// Clock: the sampling steps that select its cycles, beginning with all cycles of the block. An empty list is the base
+/// clock. `None` is a clock that is not known so far, or that of a literal, which adapts to any clock.
 pub(crate) type Clock = Option<Rc<[Sampling]>>;
 
-/// Clocks of a unit, by leaf.
+/// Clocks of one unit (function, node, command): for each flow and each expression the clocks of its leaves (scalar
+/// parts).
 pub(crate) struct Clocks {
     pub(crate) flows: Vec<Vec<Clock>>,
     pub(crate) exprs: Vec<Vec<Clock>>,
-    /// For each call expression the clock on which the call runs.
+    /// For each expression that is a call, the clock on which the call runs; `None` for other expressions.
     pub(crate) calls: Vec<Clock>,
-    /// For each expression the block that contains it.
+    /// For each expression, the block (body, fragment or state of an automaton) that contains it.
     blocks: Vec<BlockId>,
 }
 
-/// State of the computation of the clocks of one unit.
+/// State of the computation of the clocks of one unit (function, node, command).
 struct ClockSolver<'p> {
     unit: &'p Unit,
     units: &'p [Unit],
-    /// Clocks of the called units.
+    /// For each unit of the program, its clocks. They are computed for all units that `unit` calls.
     callees: &'p [Option<Rc<Clocks>>],
     clocks: Clocks,
-    /// Whether the clocks of all flows that follow from declared clocks have been computed.
+    /// True as soon as the clocks of all flows that follow from declared clocks have been computed.
     is_settled: bool,
-    /// Whether the base clock has been assigned to operators and calls that have a first cycle of their own but get no
-    /// clock from operands.
+    /// True as soon as operators and calls that have a first cycle of their own, but get no clock from operands, have
+    /// been assigned the base clock.
     has_starts: bool,
 }
 
-/// Returns the base clock: all cycles.
+/// Returns the base clock, which ticks in all cycles.
 pub(crate) fn base() -> Clock {
     Some(Rc::new([]))
 }
 
-/// Computes the clocks of all units.
+/// Returns the clocks of all units (functions, nodes, commands) of a program, in the order of `units`.
 pub(crate) fn clocks(units: &[Unit]) -> Vec<Rc<Clocks>> {
     let mut known = vec![None; units.len()];
     for k in 0..units.len() {
@@ -73,7 +77,8 @@ pub(crate) fn clocks(units: &[Unit]) -> Vec<Rc<Clocks>> {
     known.into_iter().flatten().collect()
 }
 
-/// Computes the clocks of a unit after those of its callees. Units are not recursive.
+/// Computes the clocks of unit number `k` after those of the units that it calls, and stores them in `known`. Units
+/// cannot be recursive.
 fn compute_unit(units: &[Unit], k: usize, known: &mut Vec<Option<Rc<Clocks>>>) {
     if known[k].is_some() {
         return;
@@ -87,13 +92,13 @@ fn compute_unit(units: &[Unit], k: usize, known: &mut Vec<Option<Rc<Clocks>>>) {
 }
 
 impl Clocks {
-    /// Returns whether any expression is sampled.
+    /// Returns whether any expression has a clock other than the base clock, so that it has no value in some cycles.
     pub(crate) fn are_sampled(&self) -> bool {
         let mut leaves = self.exprs.iter().flatten().flatten();
         leaves.any(|clock| !clock.is_empty())
     }
 
-    /// Returns the block that contains an expression.
+    /// Returns the block (body, fragment or state of an automaton) that contains an expression.
     pub(crate) fn block(&self, id: ExprId) -> BlockId {
         self.blocks[id.0 as usize]
     }
@@ -133,8 +138,8 @@ impl<'p> ClockSolver<'p> {
         self.clocks
     }
 
-    /// Assigns the base clock to flows without a clock, first to flows that do not depend on the clocks of others.
-    /// Returns false if there were none.
+    /// Assigns the base clock (all cycles) to flows whose clock is still unknown; if possible, only to flows that do
+    /// not depend on another unknown clock. Returns false if the clocks of all flows are known.
     fn always_ticks(&mut self) -> bool {
         let flows = (0..).map(FlowId).take(self.unit.flows.len());
         let open: Vec<FlowId> = flows.filter(|id| self.is_open(*id)).collect();
@@ -153,7 +158,8 @@ impl<'p> ClockSolver<'p> {
         self.clocks.flows[id.0 as usize].contains(&None)
     }
 
-    /// Returns whether the definition of a flow contains a sampling by a flow that has no clock yet.
+    /// Returns whether the clock of a flow depends on an unknown clock: its definition contains a sampling (`when`) by
+    /// a flow that has no clock so far, directly or through other such flows.
     fn waits(&self, id: FlowId) -> bool {
         let (mut met, mut flows) = (vec![false; self.unit.flows.len()], vec![id]);
         while let Some(id) = flows.pop() {
@@ -197,7 +203,8 @@ impl<'p> ClockSolver<'p> {
         }
     }
 
-    /// Returns the clock of a flow, as far as those of the others are known.
+    /// Returns the clock of leaf (scalar part) number `k` of a flow, as far as it follows from the clocks known so far;
+    /// `None` if it does not.
     fn flow(&self, id: FlowId, k: usize) -> Clock {
         let flow = self.unit.flow(id);
         if let Some(on) = flow.clock {
@@ -213,14 +220,15 @@ impl<'p> ClockSolver<'p> {
         }
     }
 
-    /// Returns the clock of the cycles in which a flow has a given value.
+    /// Returns the clock that ticks in the cycles in which the flow `on.flow` has the value `on.value`; `None` if the
+    /// clock of that flow is unknown.
     fn sampled_clock(&self, on: DeclaredClock) -> Clock {
         let decides = self.clocks.flows[on.flow.0 as usize].first()?.clone()?;
         Some(sampled(&decides, self.clock_condition(on.flow), on.value))
     }
 
-    /// Returns the condition represented by a flow. In RPI a flow that copies another stands for that one; in Lustre
-    /// each name is a separate clock.
+    /// Returns the clock condition of a sampling by `flow`. In RPI a flow that only copies another flow has the
+    /// condition of the copied flow; in Lustre each name is a separate condition.
     fn clock_condition(&self, flow: FlowId) -> ClockCondition {
         let mut flow = flow;
         for _ in 0..self.unit.flows.len() {
@@ -237,7 +245,8 @@ impl<'p> ClockSolver<'p> {
         ClockCondition::Flow(flow)
     }
 
-    /// Returns the clock of a leaf of an expression, given that the clocks of its operands are known.
+    /// Returns the clock of leaf (scalar part) number `k` of an expression, computed from the clocks of its operands;
+    /// `None` if it does not follow from them.
     fn leaf(&mut self, id: ExprId, k: usize) -> Clock {
         let expr = self.unit.expr(id);
         match &expr.kind {
@@ -266,8 +275,8 @@ impl<'p> ClockSolver<'p> {
         }
     }
 
-    /// Returns whether a flow has its own clock at a reader. Outside of its fragment or state, it is an optional flow
-    /// of the enclosing block (M4.2).
+    /// Returns whether an expression reads a flow on the clock of the flow, because it is within the fragment or state
+    /// that defines the flow. Elsewhere the flow is an optional flow of the enclosing block (M4.2).
     fn is_visible_in_scope(&self, flow: FlowId, reader: ExprId) -> bool {
         let mut around = Some(self.clocks.blocks[reader.0 as usize]);
         while let Some(block) = around {
@@ -279,7 +288,8 @@ impl<'p> ClockSolver<'p> {
         false
     }
 
-    /// Calls `read` with the expression and leaf index of each operand leaf from which a leaf is computed.
+    /// Calls `read` for each operand leaf (scalar part) from which leaf number `k` of an expression is computed, with
+    /// the operand and the index of its leaf. `kind` and `ty` are those of the expression.
     fn reads(
         &self,
         kind: &TypedKind,
@@ -324,13 +334,15 @@ impl<'p> ClockSolver<'p> {
     }
 }
 
-/// Returns a clock with one more sampling step.
+/// Returns the clock with one more sampling step: the cycles of `clock` in which the condition `by` has the given
+/// value.
 fn sampled(clock: &[Sampling], by: ClockCondition, value: u32) -> Rc<[Sampling]> {
     let last = Sampling { by, value };
     clock.iter().cloned().chain([last]).collect()
 }
 
-/// Returns the common prefix of clocks: the slowest clock from which all of them are sampled.
+/// Returns the longest common prefix of the sampling steps of all clocks: the slowest clock from which all of them are
+/// sampled. Unknown clocks are ignored; `None` if all are unknown.
 fn common_prefix(clocks: impl Iterator<Item = Clock>) -> Clock {
     clocks.flatten().map(Some).reduce(|a, b| {
         let (a, b) = (a?, b?);

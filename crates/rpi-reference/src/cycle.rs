@@ -16,54 +16,65 @@ use crate::time::Period;
 use crate::value::{EvalError, Leaf};
 use crate::{block, call, flow, leaf, sampling};
 
-/// Interpreter that defines the semantics of programs: it runs a program cycle by cycle, and keeps its state.
+/// Interpreter that defines the semantics of programs. It executes a program cycle by cycle, and its state is that of
+/// the program.
 pub struct Interpreter<'p> {
     pub(crate) units: &'p [Unit],
-    /// Clocks of each unit.
+    /// For each unit (function, node, command) of the program, the clocks of its flows and expressions: the cycles in
+    /// which each has a value.
     pub(crate) clocks: Vec<Rc<Clocks>>,
-    /// All instances ever created; instances dropped by a reset remain here unused.
+    /// Instances of units: the whole program at index 0, and one for each call. Instances that a reset replaces remain
+    /// in the list, unused.
     pub(crate) instances: Vec<Instance<'p>>,
     /// Number of the cycle that is evaluated, counted from 1.
     pub(crate) cycle: u64,
     pub(crate) period: Period,
-    /// Values of the inputs in the evaluated cycle, one for each scalar part.
+    /// Values of the in-ports of the program in the current cycle, one for each leaf (scalar part).
     pub(crate) inputs: Vec<Leaf>,
-    /// Updates of the memory for the next cycle.
+    /// Updates of the memory that the end of the cycle applies, each with the context whose memory it changes.
     pub(crate) updates: Vec<(EvalContext, MemoryUpdate)>,
 }
 
-/// Update of the memory for the next cycle.
+/// Update of the memory of a block, applied at the end of a cycle for the next one.
 pub(crate) enum MemoryUpdate {
-    /// Stores the value of the leaf of an expression, the second one, for a delay, the first one. It is evaluated at
-    /// the end of the cycle.
+    /// For a leaf (scalar part) of a delay, stores the value of the operand of the delay. The fields are the delay, the
+    /// index of the leaf, and the operand, which is evaluated at the end of the cycle.
     Delayed(ExprId, usize, ExprId),
-    /// Stores this value for the leaf of an expression that keeps state.
+    /// Stores a value for a leaf (scalar part) of an expression with state. The fields are the expression, the index of
+    /// the leaf, and the value.
     Leaf(ExprId, usize, Leaf),
-    /// Stores the leaf of a flow shared by states, for `last`. It is evaluated at the end of the cycle.
+    /// Stores the current value of a leaf (scalar part) of a flow that the states of an automaton share, for the
+    /// operator `last`. The fields are the flow and the index of the leaf, which is evaluated at the end of the cycle.
     Last(FlowId, usize),
-    /// Stores this value for the leaf of a flow shared by states.
+    /// Stores a value for a leaf (scalar part) of a flow that the states of an automaton share. The fields are the
+    /// flow, the index of the leaf, and the value.
     LastLeaf(FlowId, usize, Leaf),
-    /// Records that a leaf of `a -> b` or `first` has had its first cycle.
+    /// Records that a leaf (scalar part) of `a -> b` or `first` has had its first cycle. The fields are the expression
+    /// and the index of the leaf.
     Begun(ExprId, usize),
-    /// Records whether a block was active.
+    /// Records whether a block (fragment) was active in the cycle.
     Active(BlockId, bool),
-    /// Stores the state of an automaton for the next cycle, and the states that must still restart.
+    /// Stores the state of an automaton for the next cycle. The fields are the index of the automaton in its block, the
+    /// state, and the indices of the states that must restart when they run next.
     State(usize, State, BTreeSet<u32>),
 }
 
-/// Observable result of a cycle.
+/// Observable values of a cycle: outputs, exports, and the end of the command.
 #[derive(Clone, PartialEq, Debug)]
 pub struct CycleOutput {
-    /// Out-ports, by leaf.
+    /// Values of the out-ports, one for each leaf (scalar part), in the order of the declaration.
     pub outputs: Vec<Leaf>,
-    /// Exported flows, by leaf, in source order.
+    /// Values of the exported flows, one for each leaf (scalar part), in source order. A flow of an inactive fragment
+    /// is absent.
     pub exports: Vec<Leaf>,
-    /// Result with which a command ends, by its index in source order. `yield` is not supported.
+    /// Result with which the command ends after the cycle, as an index in source order; `None` if the command
+    /// continues. A `yield` never ends it, because the interpreter has no successor commands.
     pub end: Option<usize>,
 }
 
 impl<'p> Interpreter<'p> {
-    /// Creates an interpreter for a unit that runs on its own. `dt` is the period in seconds.
+    /// Creates an interpreter for the unit `root` (node or command), which runs on its own. `units` are all units of
+    /// the program, and `dt` is the period in seconds.
     #[must_use]
     pub fn new(units: &'p [Unit], root: UnitId, dt: f64) -> Interpreter<'p> {
         Interpreter {
@@ -77,10 +88,11 @@ impl<'p> Interpreter<'p> {
         }
     }
 
-    /// Runs a cycle. `inputs` contains the leaves of all in-ports.
+    /// Executes the next cycle. `inputs` contains the values of all in-ports, one for each leaf (scalar part).
     ///
     /// # Errors
-    /// If the cycle faults; no further cycle may be run then.
+    /// Returns an error if the cycle faults, has a dependency cycle or needs an unsupported construct. No further cycle
+    /// may be executed then.
     pub fn cycle(&mut self, inputs: &[Leaf]) -> Result<CycleOutput, EvalError> {
         self.cycle += 1;
         self.inputs = inputs.to_vec();
@@ -104,8 +116,8 @@ impl<'p> Interpreter<'p> {
         Ok(output)
     }
 
-    /// Prepares an instance for the current cycle: clears the values of the last one. `chosen` is whether the enclosing
-    /// `if`s need the call.
+    /// Prepares an instance for the current cycle by clearing the values of the previous one. `chosen` is true if the
+    /// enclosing `if`s need the result of the call that the instance executes.
     pub(crate) fn enter(&mut self, instance: InstanceId, chosen: bool) {
         self.instances[instance].current = CycleValues {
             chosen,
@@ -113,7 +125,7 @@ impl<'p> Interpreter<'p> {
         };
     }
 
-    /// Evaluates all active expressions of an instance.
+    /// Evaluates all active expressions of an instance: equations, claims, transitions, exports and ends.
     pub(crate) fn body(&mut self, instance: InstanceId) -> Result<(), EvalError> {
         let unit = self.instances[instance].unit;
         self.ports(instance)?;
@@ -143,7 +155,8 @@ impl<'p> Interpreter<'p> {
         Ok(())
     }
 
-    /// Checks that the values of an equation lie in the subranges of the flows that it defines.
+    /// Checks that the values of an equation lie in the integer subranges of the flows that it defines. A value outside
+    /// of its subrange is a fault.
     fn targets(&mut self, instance: InstanceId, equation: &Equation) -> Result<(), EvalError> {
         for target in &equation.targets {
             if let typed::TargetPlace::Flow { flow, at } = target.place {
@@ -155,7 +168,8 @@ impl<'p> Interpreter<'p> {
         Ok(())
     }
 
-    /// Checks that the inputs of an instance lie in the subranges of its in-ports.
+    /// Checks that the inputs of an instance lie in the integer subranges of its in-ports. A value outside of its
+    /// subrange is a fault.
     fn ports(&mut self, instance: InstanceId) -> Result<(), EvalError> {
         let unit = self.instances[instance].unit;
         let from_outside = self.instances[instance].caller.is_none();
@@ -167,7 +181,7 @@ impl<'p> Interpreter<'p> {
         Ok(())
     }
 
-    /// Returns the evaluation context inside a block.
+    /// Returns the context in which the expressions directly in a block (body, fragment or state) are evaluated.
     pub(crate) fn inside(&self, instance: InstanceId, block: BlockId) -> EvalContext {
         EvalContext {
             instance,
@@ -176,8 +190,8 @@ impl<'p> Interpreter<'p> {
         }
     }
 
-    /// Evaluates all leaves of an expression and of its operands, because an expression whose value is not used may
-    /// still fault or have state.
+    /// Evaluates all leaves (scalar parts) of an expression and of its operands, because an expression whose value is
+    /// not used may still fault or have state.
     pub(crate) fn evaluate(&mut self, here: EvalContext, id: ExprId) -> Result<(), EvalError> {
         if !self.instances[here.instance].current.visited.insert(id) {
             return Ok(());
@@ -206,8 +220,8 @@ impl<'p> Interpreter<'p> {
         Ok(())
     }
 
-    /// Evaluates the parts of y that `x ?? y` needs: for an array or struct literal only the parts with an absent leaf
-    /// in x, for any other expression everything if any leaf of x is absent (M6.7).
+    /// Evaluates the parts of `y` that `x ?? y` needs (M6.7). For an array or struct literal these are the parts where
+    /// `x` has an absent leaf (scalar part); any other `y` is evaluated if any leaf of `x` is absent.
     fn evaluate_if_absent(
         &mut self,
         here: EvalContext,
@@ -247,7 +261,8 @@ impl<'p> Interpreter<'p> {
         }
     }
 
-    /// Returns whether an operand is part of the instance at all: a branch excluded by static parameters is not (M5.4).
+    /// Returns whether operand number `number` of an expression belongs to the instance. A branch of an `if` that
+    /// static parameters exclude does not (M5.4).
     fn is_text(&mut self, here: EvalContext, id: ExprId, number: usize) -> Result<bool, EvalError> {
         let unit = self.instances[here.instance].unit;
         Ok(match &unit.expr(id).kind {
@@ -260,8 +275,8 @@ impl<'p> Interpreter<'p> {
         })
     }
 
-    /// Returns the context in which an operand of an expression is evaluated for a leaf. An operand is chosen if the
-    /// operator needs its value (M6.7).
+    /// Returns the context in which operand number `number` of an expression is evaluated for the leaf (scalar part)
+    /// `k`. Its field `chosen` is false if the operator does not need the value of the operand (M6.7).
     pub(crate) fn operand(
         &mut self,
         here: EvalContext,
@@ -297,8 +312,8 @@ impl<'p> Interpreter<'p> {
         })
     }
 
-    /// Returns the context of the right operand of `and`, `or` and `=>`: chosen unless the left one decides. An absent
-    /// left operand does not decide (M4.4).
+    /// Returns the context of the right operand of `and`, `or` or `=>`. The operand is needed (`chosen`) unless the
+    /// left operand decides the result. An absent left operand does not decide (M4.4).
     fn right_operand_context(
         &mut self,
         here: EvalContext,
@@ -336,7 +351,8 @@ impl<'p> Interpreter<'p> {
         Ok(leaves)
     }
 
-    /// Returns the result with which the command ends. `fail` takes precedence, then the source order (M10.1).
+    /// Returns the index of the result with which the command ends in the current cycle; `None` if it continues. If
+    /// several conditions are true, a `fail` takes precedence, then the source order (M10.1).
     fn end(&mut self) -> Result<Option<usize>, EvalError> {
         let ends = &self.instances[0].unit.block(BlockId::ROOT).ends;
         let here = self.inside(0, BlockId::ROOT);
@@ -352,7 +368,7 @@ impl<'p> Interpreter<'p> {
         Ok(None)
     }
 
-    /// Updates the memory for the next cycle.
+    /// Applies the recorded updates of the memory, so that the next cycle reads the new values.
     fn update_memory(&mut self) -> Result<(), EvalError> {
         let mut known = Vec::new();
         // Evaluating a delayed operand may record further updates.
@@ -394,7 +410,8 @@ impl<'p> Interpreter<'p> {
         Ok(())
     }
 
-    /// Returns a leaf of an in-port of the unit that the interpreter runs.
+    /// Returns leaf (scalar part) number `k` of an in-port of the executed unit, with times in ticks. `port` is the
+    /// index of the in-port.
     pub(crate) fn input(&self, port: usize, k: usize) -> Leaf {
         let unit = self.instances[0].unit;
         let from_outside = |id: &&FlowId| unit.flow(**id).role != FlowRole::Param;
@@ -406,13 +423,14 @@ impl<'p> Interpreter<'p> {
     }
 }
 
-/// Returns whether an operator needs its right operand only if the left one does not decide.
+/// Returns whether a primitive is an operator that needs its right operand only if the left one does not decide the
+/// result (`and`, `or`, `=>`).
 fn is_lazy(call: &PrimCall) -> bool {
     let name = call.prim.desc().name;
     ["Core::BooleanAnd", "Core::BooleanOr", "Rpi::BooleanImplies"].contains(&name)
 }
 
-/// Returns whether a primitive has state.
+/// Returns whether a primitive stores values from one cycle to the next.
 fn has_state(call: &PrimCall) -> bool {
     !matches!(call.prim.desc().state, rpi_image::StateSize::None)
 }

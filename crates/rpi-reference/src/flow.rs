@@ -7,8 +7,8 @@ use crate::instance::InstanceId;
 use crate::value::{EvalError, Leaf, Value};
 use crate::{block, leaf};
 
-/// Returns a leaf of a flow in the current cycle. A value outside of a declared subrange faults where the flow is
-/// defined (M2.4).
+/// Returns leaf (scalar part) number `k` of a flow in the current cycle. A value outside of the declared integer
+/// subrange of the flow is a fault (M2.4).
 pub(crate) fn evaluate(
     interpreter: &mut Interpreter<'_>,
     instance: InstanceId,
@@ -56,7 +56,8 @@ fn unchecked(
     leaf::evaluate(interpreter, here, value, leaf)
 }
 
-/// Returns the argument for an in-port, or its default.
+/// Returns leaf (scalar part) number `k` of the in-port with index `port`: from the argument of the call, else from the
+/// default of the port. For the whole program the value comes from the inputs of the cycle.
 fn argument(
     interpreter: &mut Interpreter<'_>,
     instance: InstanceId,
@@ -77,8 +78,8 @@ fn argument(
     }
 }
 
-/// Returns a leaf of a flow shared by states: as defined by the active state, or the default if that state does not
-/// define the flow (M14.5).
+/// Returns leaf (scalar part) number `k` of a flow that the states of an automaton share: from the active state, or the
+/// default if that state does not define the flow (M14.5).
 fn shared_flow(
     interpreter: &mut Interpreter<'_>,
     instance: InstanceId,
@@ -101,7 +102,8 @@ fn shared_flow(
     }
 }
 
-/// Returns the automaton that defines a flow, and its block.
+/// Returns the declaration of a flow as shared by the states of an automaton, and the block that contains the
+/// automaton; `None` for a flow that is not shared.
 fn shared(unit: &Unit, flow: FlowId) -> Option<(BlockId, &SharedFlow)> {
     let blocks = (0..).map(BlockId).zip(&unit.blocks);
     let mut all = blocks.flat_map(|(id, block)| {
@@ -111,8 +113,8 @@ fn shared(unit: &Unit, flow: FlowId) -> Option<(BlockId, &SharedFlow)> {
     all.find(|(_, shared)| shared.flow == flow)
 }
 
-/// Returns the definition of a leaf of a flow: the block, the value of the equation, and the index of the leaf in that
-/// value.
+/// Returns the definition of leaf (scalar part) number `k` of a flow: the block of the equation, the expression on its
+/// right, and the index of the leaf in that expression. Returns `None` if no equation defines the leaf.
 pub(crate) fn definition(unit: &Unit, flow: FlowId, k: usize) -> Option<(BlockId, ExprId, usize)> {
     for (id, block) in (0..).map(BlockId).zip(&unit.blocks) {
         for equation in &block.equations {

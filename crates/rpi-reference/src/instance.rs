@@ -6,76 +6,81 @@ use rpi_sema::typed::{BlockId, ExprId, FlowId, Unit, UnitId};
 
 use crate::value::Leaf;
 
-/// Index of an instance among all instances ever created.
+/// Index of an instance in the list of all instances ever created ([`Interpreter::instances`](crate::Interpreter)).
 pub(crate) type InstanceId = usize;
 
-/// Leaf of an expression: the expression and the index of the leaf.
+/// Leaf (scalar part) of an expression: the expression, and the index of the leaf in it.
 pub(crate) type LeafId = (ExprId, usize);
 
-/// Instance of a unit: the whole program, or the callee of one call.
+/// Instance of a unit (function, node, command) with its own memory: the whole program, or the callee of one call.
 pub(crate) struct Instance<'p> {
     pub(crate) unit: &'p Unit,
     pub(crate) id: UnitId,
-    /// Context of the call and its arguments; `None` for the whole program.
+    /// Context in which the caller evaluates the call, and the arguments of the call; `None` for the whole program.
     pub(crate) caller: Option<(EvalContext, &'p [Option<ExprId>])>,
-    /// Memory of the delays outside of the body. The condition of a named fragment reads them.
+    /// Memory of the delays that belong to no block: those in the condition of a named fragment.
     pub(crate) around: Memory,
-    /// State of the delays of each block (body, fragment or state of an automaton), by block index.
+    /// Memory of each block (body, fragment or state of an automaton), by block index.
     pub(crate) blocks: Vec<Memory>,
-    /// Values of the flows that have been computed in the current cycle.
+    /// Values that have been computed in the current cycle.
     pub(crate) current: CycleValues,
 }
 
-/// Memory of a block. Restarting a block clears it (M6.2).
+/// Memory of a block (body, fragment or state of an automaton) from one cycle to the next. A restart of the block
+/// clears it (M6.2).
 #[derive(Clone, Default)]
 pub(crate) struct Memory {
-    /// Values kept for the next cycle by `pre`, `hold`, `current` and activated calls.
+    /// Values that `pre`, `hold`, `current` and calls with an activation condition store for the next cycle, by
+    /// expression and leaf.
     pub(crate) delayed_values: BTreeMap<LeafId, Leaf>,
-    /// Previous values of the flows shared by states.
+    /// Values of the previous cycle of the flows that states of an automaton share, by flow and index of the leaf
+    /// (scalar part).
     pub(crate) last: BTreeMap<(FlowId, usize), Leaf>,
-    /// Leaves of `a -> b` and `first` that have had their first cycle (M5.1).
+    /// Leaves (scalar parts) of `a -> b` and `first` that have had their first cycle (M5.1).
     pub(crate) started: BTreeSet<LeafId>,
-    /// For each call in the body, the instance of the callee that holds its state.
+    /// For each call in the block, the instance of the callee, which holds its state.
     pub(crate) calls: BTreeMap<ExprId, InstanceId>,
-    /// Inner blocks that were active in the previous cycle of this block.
+    /// Inner blocks (fragments) that were active in the previous cycle of this block.
     pub(crate) was_active: BTreeSet<BlockId>,
-    /// For each automaton the state of the next cycle, and whether it restarts.
+    /// For each automaton in the block, its state in the next cycle, and whether that state restarts.
     pub(crate) states: BTreeMap<usize, State>,
-    /// For each automaton the states that were entered with a restart and left before they ran.
+    /// For each automaton in the block, the indices of the states that were entered with a restart and left before they
+    /// ran.
     pub(crate) pending_restarts: BTreeMap<usize, BTreeSet<u32>>,
 }
 
-/// State of an automaton in a cycle, by index, and whether the state restarts.
+/// State of an automaton in a cycle: its index, and whether it restarts.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub(crate) struct State {
     pub(crate) index: u32,
     pub(crate) restarts: bool,
 }
 
-/// Values of an instance that have been computed in the current cycle; empty when the cycle begins.
+/// Values that an instance has computed in the current cycle. All collections are empty at the start of a cycle.
 #[derive(Clone, Default)]
 pub(crate) struct CycleValues {
-    /// Whether the enclosing `if`s chose the call.
+    /// True if the enclosing `if`s need the result of the call that the instance executes. Faults count only then.
     pub(crate) chosen: bool,
-    /// Evaluated leaves; `None` while the evaluation is in progress.
+    /// Values of leaves (scalar parts) of expressions; `None` while the evaluation of the leaf is in progress.
     pub(crate) leaves: BTreeMap<LeafId, Option<Leaf>>,
-    /// Expressions that have been evaluated completely.
+    /// Expressions all of whose leaves and operands have been evaluated.
     pub(crate) visited: BTreeSet<ExprId>,
-    /// Blocks whose activity is known.
+    /// For each block (body, fragment or state) that has been looked at, whether it is active.
     pub(crate) active: BTreeMap<BlockId, bool>,
-    /// Automata whose state is known.
+    /// States of the automata that have been evaluated, by block and index of the automaton.
     pub(crate) states: BTreeMap<(BlockId, usize), State>,
-    /// Calls that were reached in the cycle, with the instance if the call runs.
+    /// Calls that have been reached, each with the instance of the callee, or `None` if the call does not run.
     pub(crate) entered: BTreeMap<ExprId, Option<InstanceId>>,
 }
 
-/// Context in which an expression is evaluated.
+/// Context in which an expression is evaluated: instance, block, and whether the value is needed.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct EvalContext {
     pub(crate) instance: InstanceId,
-    /// Block whose memory is used; `None` outside of the body.
+    /// Block (body, fragment or state) whose memory the expression uses; `None` for the condition of a named fragment,
+    /// which is outside of all blocks.
     pub(crate) block: Option<BlockId>,
-    /// Whether the enclosing `if`s need the value. Faults in a branch that is not needed do not count (M6.6).
+    /// True if the enclosing `if`s need the value. Faults in a branch that is not needed do not count (M6.6).
     pub(crate) chosen: bool,
 }
 
@@ -102,7 +107,7 @@ impl<'p> Instance<'p> {
         }
     }
 
-    /// Clears the memory of a block and of all inner blocks.
+    /// Clears the memory of a block (fragment or state) and of all blocks in it.
     pub(crate) fn reset(&mut self, block: BlockId) {
         for k in (0..).map(BlockId).take(self.blocks.len()) {
             if self.unit_blocks_around(k).any(|around| around == block) {
@@ -111,7 +116,7 @@ impl<'p> Instance<'p> {
         }
     }
 
-    /// Returns a block and its enclosing blocks, from the inside out.
+    /// Returns a block and its enclosing blocks, beginning with the block itself.
     fn unit_blocks_around(&self, block: BlockId) -> impl Iterator<Item = BlockId> + use<'p> {
         let unit = self.unit;
         std::iter::successors(Some(block), move |block| unit.block(*block).parent)
@@ -119,8 +124,8 @@ impl<'p> Instance<'p> {
 }
 
 impl EvalContext {
-    /// Returns the context for an operand of an operator with state: the operand is needed in all cycles, whatever an
-    /// `if` chooses, so its faults count.
+    /// Returns the context for an operand of an operator with state. The operand is needed in all cycles, whatever an
+    /// enclosing `if` selects, so its faults count.
     pub(crate) fn unguarded(self) -> EvalContext {
         EvalContext {
             chosen: true,

@@ -9,7 +9,8 @@ use crate::instance::{EvalContext, LeafId};
 use crate::value::{EvalError, Leaf, Value};
 use crate::{call, flow, operator, sampling};
 
-/// Returns a leaf of an expression in the current cycle. It is evaluated once per cycle.
+/// Returns leaf (scalar part) number `k` of an expression in the current cycle. A leaf is evaluated only once in a
+/// cycle.
 pub(crate) fn evaluate(
     interpreter: &mut Interpreter<'_>,
     here: EvalContext,
@@ -32,7 +33,7 @@ pub(crate) fn evaluate(
     Ok(leaf)
 }
 
-/// Returns the value of a condition; `None` if it is absent.
+/// Returns the value of a Boolean expression; `None` if it is absent in the current cycle.
 pub(crate) fn truth(
     interpreter: &mut Interpreter<'_>,
     here: EvalContext,
@@ -99,13 +100,14 @@ fn evaluate_leaf(
     }
 }
 
-/// Returns a leaf of a constant of the given type.
+/// Returns leaf (scalar part) number `k` of a constant of type `ty`, with a time converted to ticks.
 fn constant(interpreter: &Interpreter<'_>, constant: &Constant, ty: &Ty, k: usize) -> Leaf {
     let leaf = Value::from_constant(constant);
     interpreter.period.internal_leaf(leaf, ty, k)
 }
 
-/// Returns a leaf of a struct, tuple or array literal, whose leaves are numbered consecutively.
+/// Returns leaf (scalar part) number `k` of a struct, tuple or array literal. The leaves of all parts are numbered
+/// consecutively.
 fn array_or_struct(
     interpreter: &mut Interpreter<'_>,
     here: EvalContext,
@@ -123,7 +125,8 @@ fn array_or_struct(
     Err(EvalError::Unsupported("a missing part".to_owned()))
 }
 
-/// Returns a leaf of `base[index]`, an array element with a computed index.
+/// Returns leaf (scalar part) number `k` of `base[index]`, an array element whose index is computed in the cycle. An
+/// index out of range is a fault if the value is needed.
 fn select(
     interpreter: &mut Interpreter<'_>,
     here: EvalContext,
@@ -145,7 +148,7 @@ fn select(
     }
 }
 
-/// Evaluates an operator that is applied to each leaf of its operands separately.
+/// Evaluates leaf number `k` of an operator that is applied to each leaf (scalar part) of its operands separately.
 fn each(
     interpreter: &mut Interpreter<'_>,
     here: EvalContext,
@@ -184,8 +187,8 @@ fn each(
     }
 }
 
-/// Evaluates `pre x`: x at the previous tick of its clock in its fragment (M5.1). There is no value before; if x is
-/// never absent, the checker has proved that the missing value is not read (M5.3).
+/// Evaluates leaf number `k` of `pre x`: the value of `x` at the previous tick of its clock in its fragment (M5.1). In
+/// the first cycle it is absent; if `x` is never absent, the checker has proved that this value is not read (M5.3).
 fn pre(
     interpreter: &mut Interpreter<'_>,
     here: EvalContext,
@@ -200,7 +203,8 @@ fn pre(
     Ok(memory.delayed_values.get(&(id, k)).copied().flatten())
 }
 
-/// Evaluates `last x`: the previous value of a flow shared by states, whatever the state was.
+/// Evaluates leaf number `k` of `last x`: the value in the previous cycle of a flow that the states of an automaton
+/// share, whichever state was active.
 fn last(
     interpreter: &mut Interpreter<'_>,
     here: EvalContext,
@@ -219,8 +223,9 @@ fn last(
     }
 }
 
-/// Evaluates `hold(x, init)` for a leaf: the latest present value of x, or `init` before the first one (M4.3). A
-/// present value is kept; `init` is evaluated again when needed.
+/// Evaluates leaf number `k` of `hold(x, init)`: the latest present value of `x`, or `init` before the first one
+/// (M4.3). A present value is stored; `init` is evaluated again in each cycle that needs it. The parameter `x` is the
+/// leaf of the operand in this cycle.
 pub(crate) fn held(
     interpreter: &mut Interpreter<'_>,
     here: EvalContext,
@@ -242,7 +247,8 @@ pub(crate) fn held(
     }
 }
 
-/// Returns whether a leaf of `a -> b` or `first` is evaluated in its first cycle, and records that this has passed.
+/// Returns whether a leaf (scalar part) of `a -> b` or `first` is in its first cycle. Records that the first cycle is
+/// over from the next cycle on.
 pub(crate) fn first(interpreter: &mut Interpreter<'_>, here: EvalContext, place: LeafId) -> bool {
     interpreter
         .updates
@@ -250,8 +256,8 @@ pub(crate) fn first(interpreter: &mut Interpreter<'_>, here: EvalContext, place:
     is_first(interpreter, here, place)
 }
 
-/// Returns whether a leaf of `a -> b` or `first` is evaluated in its first cycle. A leaf whose clock does not tick in
-/// this cycle has not had its first one.
+/// Returns whether a leaf (scalar part) of `a -> b` or `first` is in its first cycle, or has not had it so far because
+/// its clock has not ticked.
 pub(crate) fn is_first(
     interpreter: &mut Interpreter<'_>,
     here: EvalContext,
@@ -261,7 +267,8 @@ pub(crate) fn is_first(
     !memory.started.contains(&place)
 }
 
-/// Evaluates `x = y`: whether all leaves are equal.
+/// Evaluates `a = b`, or `a <> b` if `negated`: true if all leaves (scalar parts) are equal. An absent leaf makes the
+/// result absent unless another pair of leaves differs.
 fn equal(
     interpreter: &mut Interpreter<'_>,
     here: EvalContext,
@@ -284,7 +291,7 @@ fn equal(
     }
 }
 
-/// Evaluates `present(x)`: whether all leaves are present.
+/// Evaluates `present(x)`: true if all leaves (scalar parts) of `x` have a value in the current cycle.
 fn present(
     interpreter: &mut Interpreter<'_>,
     here: EvalContext,
@@ -322,7 +329,8 @@ fn operator(
     }
 }
 
-/// Evaluates `merge c (...)`: the case selected by c; the other cases are absent (M4.7).
+/// Evaluates leaf number `k` of `merge c (...)`: the case that the value of `c` selects. The other cases are absent in
+/// that cycle (M4.7).
 fn merge(
     interpreter: &mut Interpreter<'_>,
     here: EvalContext,
@@ -337,7 +345,7 @@ fn merge(
     case.map_or(Ok(None), |(_, case)| evaluate(interpreter, here, *case, k))
 }
 
-/// Evaluates `current x`: x at the latest tick of its clock (M4.7).
+/// Evaluates leaf number `k` of `current x`: the value of `x` at the latest tick of its clock (M4.7).
 fn current(
     interpreter: &mut Interpreter<'_>,
     here: EvalContext,
@@ -367,7 +375,8 @@ fn current(
     Ok(leaf)
 }
 
-/// Checks that a leaf of a struct literal lies in the subrange of its field (M2.4).
+/// Checks that a leaf of a struct literal lies in the integer subrange of its field (M2.4), and returns the leaf.
+/// `is_made` is false for other literals, which need no check.
 fn in_field(
     here: EvalContext,
     leaf: Leaf,
@@ -385,7 +394,7 @@ fn in_field(
     }
 }
 
-/// Returns whether a Boolean or enum value is the one with this number.
+/// Returns whether a leaf is the value with this number: 0 or 1 for a Boolean, the index for an enum. A real never is.
 pub(crate) fn equals_value(leaf: Value, value: u32) -> bool {
     match leaf {
         Value::Bool(truth) => u32::from(truth) == value,
@@ -394,7 +403,7 @@ pub(crate) fn equals_value(leaf: Value, value: u32) -> bool {
     }
 }
 
-/// Returns the number of leaves of an array element.
+/// Returns the number of leaves (scalar parts) of one element of an array type; 1 for other types.
 fn element_size(array: &Ty) -> usize {
     match array {
         Ty::Array(element, _) => element.leaf_count().max(1),
@@ -402,7 +411,7 @@ fn element_size(array: &Ty) -> usize {
     }
 }
 
-/// Returns the value used where the result is never read: false or 0.
+/// Returns false or 0 for leaf number `k` of an expression, as a placeholder for a value that is never read.
 fn zero_value(expr: &Expr, k: usize) -> Leaf {
     let mut leaves = Vec::new();
     expr.ty.for_each_leaf(&mut |_, leaf| {

@@ -3,7 +3,8 @@
 use crate::value::Value::{Bool, Int, Real};
 use crate::value::{EvalError, Leaf, Value};
 
-/// Applies an operator. An operator that would fault returns 0 in a branch that was not chosen (M6.6).
+/// Applies an operator, given by the name of its primitive, to its operands. If the operator would fault, it returns 0
+/// in a branch of an `if` that is not selected (`chosen` is false), else an error (M6.6).
 pub(crate) fn apply(name: &str, operands: &[Leaf], chosen: bool) -> Result<Leaf, EvalError> {
     if let Some(leaf) = logic(name, operands) {
         return Ok(leaf);
@@ -18,8 +19,8 @@ pub(crate) fn apply(name: &str, operands: &[Leaf], chosen: bool) -> Result<Leaf,
     }
 }
 
-/// Applies an operator of Kleene's three-valued logic (M4.4): if one operand decides, the other may be absent. `None`
-/// for other operators.
+/// Applies an operator of Kleene's three-valued logic (M4.4): if one operand decides, the other may be absent. Returns
+/// `None` if `name` is not such an operator.
 fn logic(name: &str, operands: &[Leaf]) -> Option<Leaf> {
     let truth = |leaf: &Leaf| match leaf {
         Some(Bool(truth)) => Some(*truth),
@@ -37,7 +38,8 @@ fn logic(name: &str, operands: &[Leaf]) -> Option<Leaf> {
     })
 }
 
-/// Returns the conjunction of Booleans that may be absent.
+/// Returns the conjunction of two Booleans that may be absent (`None`): false if one is false, absent if it is
+/// undecided.
 pub(crate) fn and(a: Option<bool>, b: Option<bool>) -> Leaf {
     match (a, b) {
         (Some(false), _) | (_, Some(false)) => Some(Bool(false)),
@@ -53,7 +55,7 @@ fn negated(value: Value) -> Value {
     }
 }
 
-/// Applies an operator that has a result for all operands; `None` for other operators.
+/// Applies an operator that has a result for all operands. Returns `None` if `name` is not such an operator.
 fn total(name: &str, operands: &[Value]) -> Option<Value> {
     Some(match (name, operands) {
         ("Core::BooleanNot", &[Bool(a)]) => Bool(!a),
@@ -77,7 +79,8 @@ fn total(name: &str, operands: &[Value]) -> Option<Value> {
     })
 }
 
-/// Applies an operator that faults where it has no result, such as a division (M2.2).
+/// Applies an operator that faults for some operands, such as a division (M2.2). For such operands it returns an error
+/// if the value is needed (`chosen`), else 0.
 fn partial(name: &str, operands: &[Value], chosen: bool) -> Result<Value, EvalError> {
     let (result, fault) = match (name, operands) {
         ("Core::IntAdd", &[Int(a), Int(b)]) => (a.checked_add(b), "overflow"),
@@ -99,7 +102,7 @@ fn partial(name: &str, operands: &[Value], chosen: bool) -> Result<Value, EvalEr
     }
 }
 
-/// Returns a power by repeated multiplication; `None` for a negative exponent or an overflow.
+/// Returns `base` to the power `exponent` by repeated multiplication; `None` for a negative exponent or an overflow.
 fn power(base: i64, exponent: i64) -> Option<i64> {
     if exponent < 0 {
         return None;
@@ -112,13 +115,13 @@ fn power(base: i64, exponent: i64) -> Option<i64> {
     }
 }
 
-/// Truncates a real to an integer; `None` if it does not fit into 64 bits.
+/// Returns the integer part of a real; `None` if it does not fit into 64 bits.
 fn whole(real: f64) -> Option<i64> {
     const LIMIT: f64 = 9_223_372_036_854_775_808.0;
     (-LIMIT..LIMIT).contains(&real).then_some(real as i64)
 }
 
-/// Returns whether two leaves are equal (`=`); absent if one is absent.
+/// Returns whether two leaves (scalar parts) are equal; `None` if one of them is absent.
 pub(crate) fn equal(a: Leaf, b: Leaf) -> Option<bool> {
     Some(a? == b?)
 }

@@ -7,7 +7,7 @@ use crate::value::{EvalError, Leaf};
 use crate::{block, call, flow, leaf};
 use rpi_sema::typed::ExprId;
 
-/// Returns whether the clock of a leaf ticks (M4.7).
+/// Returns whether the clock of leaf (scalar part) number `k` of an expression ticks in the current cycle (M4.7).
 pub(crate) fn ticks(
     interpreter: &mut Interpreter<'_>,
     here: EvalContext,
@@ -18,7 +18,7 @@ pub(crate) fn ticks(
     is_running(interpreter, here, &clock)
 }
 
-/// Returns whether the clock of a call ticks.
+/// Returns whether the clock of a call ticks in the current cycle. `id` is the expression of the call.
 pub(crate) fn runs(
     interpreter: &mut Interpreter<'_>,
     here: EvalContext,
@@ -46,7 +46,7 @@ pub(crate) fn clocks<'s>(interpreter: &'s Interpreter<'_>, here: EvalContext) ->
 }
 
 /// Returns whether the condition of a sampling step has the value that the step requires; `None` if the condition is
-/// absent.
+/// absent in the current cycle.
 pub(crate) fn is_on(
     interpreter: &mut Interpreter<'_>,
     here: EvalContext,
@@ -56,7 +56,8 @@ pub(crate) fn is_on(
     Ok(leaf.map(|leaf| leaf::equals_value(leaf, on.value)))
 }
 
-/// Returns the value of a clock condition: a flow, or a condition inside a call, possibly of another block.
+/// Returns the value of a clock condition in the current cycle: the value of a flow, or of a condition inside a call,
+/// which may be in another block.
 fn condition_value(
     interpreter: &mut Interpreter<'_>,
     instance: InstanceId,

@@ -5,7 +5,7 @@ use rpi_sema::ty::Ty;
 
 use crate::value::{EvalError, Leaf, Value};
 
-/// Period of a cycle, which is also the unit of exact times.
+/// Period of a cycle in seconds, which is also the length of a tick, the unit of exact times.
 pub(crate) struct Period {
     seconds: f64,
 }
@@ -15,13 +15,14 @@ impl Period {
         Period { seconds }
     }
 
-    /// Converts ticks to seconds.
+    /// Returns the duration of a number of ticks in seconds. A tick is rounded to whole nanoseconds.
     fn seconds_of(&self, ticks: i64) -> f64 {
         let tick_ns = (self.seconds * 1e9).round();
         ticks as f64 * tick_ns / 1e9
     }
 
-    /// Returns the smallest number of ticks that last at least the given seconds; `None` if it does not fit in 64 bits.
+    /// Returns the smallest number of ticks that last at least the given seconds; `None` if it does not fit into 64
+    /// bits.
     fn whole_ticks(&self, seconds: f64) -> Option<i64> {
         let about = (seconds / self.seconds).floor();
         // Beyond this limit the number of ticks does not fit into 64 bits.
@@ -33,7 +34,8 @@ impl Period {
         (about - 2..=about + 2).find(|ticks| self.seconds_of(*ticks) >= seconds)
     }
 
-    /// Converts an input or a constant to the representation that the interpreter computes with: times in ticks.
+    /// Converts leaf (scalar part) number `k` of an input or constant of type `ty` from the external representation
+    /// (times in seconds) to that of the interpreter (times in ticks). A time beyond 64 bits becomes absent.
     pub(crate) fn internal_leaf(&self, leaf: Leaf, ty: &Ty, k: usize) -> Leaf {
         match (leaf, is_time(ty, k)) {
             (Some(Value::Real(seconds)), true) => self.whole_ticks(seconds).map(Value::Int),
@@ -41,7 +43,8 @@ impl Period {
         }
     }
 
-    /// Converts a value of the interpreter to the representation of outputs: times in nanoseconds.
+    /// Converts leaf (scalar part) number `k` of a value of type `ty` from the representation of the interpreter (times
+    /// in ticks) to that of outputs (times in seconds).
     pub(crate) fn to_external(&self, leaf: Leaf, ty: &Ty, k: usize) -> Leaf {
         match (leaf, is_time(ty, k)) {
             (Some(Value::Int(ticks)), true) => Some(Value::Real(self.seconds_of(ticks))),
@@ -49,8 +52,9 @@ impl Period {
         }
     }
 
-    /// Evaluates conversions between ticks and seconds, and the times provided by the core. Returns `None` for other
-    /// primitives. `cycle` is the number of the current cycle, from 1.
+    /// Evaluates primitives that convert between ticks and seconds or provide the time of the core. Returns `None` for
+    /// other primitives. `cycle` is the number of the current cycle, from 1. `chosen` is true if the value is needed,
+    /// so that a conversion can fault.
     pub(crate) fn time_operator(
         &self,
         cycle: u64,
@@ -84,7 +88,7 @@ impl Period {
     }
 }
 
-/// Returns whether a leaf of a type is a time.
+/// Returns whether leaf (scalar part) number `k` of a type is an exact time.
 fn is_time(ty: &Ty, k: usize) -> bool {
     match ty {
         Ty::Duration => true,

@@ -3,28 +3,29 @@
 use rpi_image::Value as Constant;
 use std::fmt;
 
-/// Value of one leaf in a cycle. The value of an enum is its index.
+/// Value of one leaf (scalar part) of a flow in a cycle.
 #[derive(Clone, Copy, PartialEq, Debug)]
 pub enum Value {
-    /// Boolean.
+    /// Boolean value `true` or `false`.
     Bool(bool),
-    /// 64-bit integer, or the index of an enum value.
+    /// 64-bit integer, index of an enum value, or exact time in ticks.
     Int(i64),
-    /// IEEE 754 double.
+    /// Real number: an IEEE 754 double, in SI units.
     Real(f64),
 }
 
-/// Leaf in a cycle: its value, or `None` if it is absent (M4.1).
+/// Leaf (scalar part) of a flow in a cycle: its value, or `None` if it is absent (M4.1).
 pub type Leaf = Option<Value>;
 
-/// Reason why a cycle has no values.
+/// Reason why the interpreter cannot evaluate a cycle.
 #[derive(Clone, PartialEq, Eq, Debug)]
 pub enum EvalError {
-    /// Fault: overflow, division by zero, a conversion that loses the value, an index out of bounds (M2.2).
+    /// Fault of the program: overflow, division by zero, lossy conversion, index out of bounds, or value outside of its
+    /// subrange (M2.2). The text names the kind.
     Fault(&'static str),
-    /// Dependency of a flow on itself within the cycle, which the checker rejects (M5.4).
+    /// A flow depends on itself within the cycle. The checker rejects such programs (M5.4).
     DependencyCycle,
-    /// Construct that this interpreter does not support; the text names it.
+    /// The program contains a construct that this interpreter does not support; the text names it.
     Unsupported(String),
 }
 
@@ -41,7 +42,7 @@ impl fmt::Display for EvalError {
 impl std::error::Error for EvalError {}
 
 impl Value {
-    /// Converts a constant.
+    /// Converts a constant of the type checker to a value; `None` if it is not a Boolean, an integer or a real.
     pub(crate) fn from_constant(constant: &Constant) -> Option<Value> {
         let truth = constant.as_bool().map(Value::Bool);
         let integer = || constant.as_int().map(Value::Int);
@@ -49,7 +50,7 @@ impl Value {
         truth.or_else(integer).or_else(real)
     }
 
-    /// Returns the bits of the value as stored in a memory slot of an image.
+    /// Returns the 64 bits of the value as a memory slot of a compiled image holds them.
     #[must_use]
     pub fn bits(self) -> u64 {
         match self {

@@ -2,23 +2,23 @@
 
 use std::collections::BTreeMap;
 
-use rpi_diag::{Code, Diagnostic, FileId, SourceMap, Span};
-use rpi_prims::FaultCode;
+use rpi_diag::{Code, Diagnostic, FileId, Quote, SourceMap, Span};
+use rpi_prims::{FaultCode, FaultValues};
 use rpi_runtime::run::{CommandEnd, FaultOrigin, Outcome, RunEnd, fault_message};
 
-/// A fault in a cycle: its cause and the diagnostic that reports it.
+/// A fault (error at run time) of a command in a cycle, with the diagnostic that reports it.
 #[derive(Clone, PartialEq, Debug)]
 pub(crate) struct ReportedFault {
-    /// Cause of the fault, as the core reports it.
+    /// Kind of the fault, such as a division by zero, as the core reports it.
     cause: FaultCode,
-    /// Cycle of the fault and name of the faulty command: the start of the message.
+    /// Beginning of the message: number of the cycle and name of the command.
     place: String,
     diagnostic: Diagnostic,
 }
 
 impl ReportedFault {
-    /// Reports a fault with its source location and cycle number. `command` is the name of the faulty command if the
-    /// message must name it.
+    /// Creates the report of a fault from its location and cycle number. `command` is the name of the faulty command if
+    /// the message must name it.
     pub(crate) fn new(origin: &FaultOrigin, command: Option<&str>) -> ReportedFault {
         let command = command.map_or_else(String::new, |name| format!(" of `{name}`"));
         let place = format!("cycle {}{command}", origin.cycle);
@@ -30,7 +30,7 @@ impl ReportedFault {
         // The suffix after `#` numbers the parts of an expression. It is not part of the flow's name.
         let label = origin.flow.as_deref().map_or_else(String::new, |flow| {
             let name = flow.split('#').next().unwrap_or(flow);
-            format!("for `{name}`")
+            format!("value of `{name}`")
         });
         let message = format!("{place}: {}", fault_message(origin.code, origin.values));
         let diagnostic = Diagnostic::new(Code::RPI9011, message);
@@ -38,20 +38,20 @@ impl ReportedFault {
         ReportedFault {
             cause: origin.code,
             place,
-            diagnostic: match fault_help(origin.code) {
+            diagnostic: match fault_help(origin, span) {
                 Some(help) => diagnostic.help(help),
                 None => diagnostic,
             },
         }
     }
 
-    /// Returns true if the fault was raised by an assertion at this location.
+    /// Returns true if the fault was raised by the assertion at this location in the source.
     pub(crate) fn is_assertion_at(&self, span: Span) -> bool {
         self.cause == FaultCode::AssertionFailed && self.diagnostic.span() == span
     }
 
-    /// Replaces the description of the fault by the violation of a claim: `sentence` states the violation, and
-    /// `violation` has its labels and notes.
+    /// Replaces the description of the fault by that of the violated claim (assertion or contract) which raised it:
+    /// `sentence` states the violation, and `violation` has its labels and notes.
     pub(crate) fn explain(&mut self, sentence: &str, violation: Diagnostic) {
         self.diagnostic.message = format!("{}: {sentence}", self.place);
         self.diagnostic.labels = violation.labels;
@@ -65,24 +65,33 @@ impl ReportedFault {
     }
 }
 
-/// Returns how a program avoids a fault of its own; `None` for the faults of devices.
-fn fault_help(code: FaultCode) -> Option<&'static str> {
-    match code {
-        FaultCode::IndexOutOfRange => {
-            Some("limit the index first: `a[min(max(k, 0), n - 1)]` for an array of `n` elements")
+/// Returns advice how a program avoids a fault of its own; `None` for the faults of devices. `span` is the location of
+/// the operation with the fault.
+fn fault_help(origin: &FaultOrigin, span: Option<Span>) -> Option<String> {
+    let text = match (origin.code, origin.values) {
+        (FaultCode::IndexOutOfRange, FaultValues::Index { length, .. }) if length > 0 => {
+            let last = length - 1;
+            return Some(format!(
+                "limit the index to the range from 0 to {last}, for example by `min(max(..., 0), {last})`"
+            ));
         }
-        FaultCode::OutsideSubrange => Some(
-            "limit the value first, for example by `min` and `max`, or declare a wider subrange",
-        ),
-        FaultCode::DivisionByZero => {
-            Some("test the divisor first: `if b <> 0 then a div b else 0`")
+        (FaultCode::IndexOutOfRange, _) => "limit the index to the size of the array",
+        (FaultCode::OutsideSubrange, _) => {
+            "limit the value first, for example by `min` and `max`, give other inputs, or declare a wider subrange"
         }
-        FaultCode::IntegerOverflow => Some("limit the operands first, or compute with reals"),
-        FaultCode::LossyConversion => {
-            Some("limit the real number first, and test for NaN by `x = x`")
+        (FaultCode::DivisionByZero, _) => {
+            let quotient = span.map_or("...".to_owned(), |span| Quote::text(span).to_string());
+            return Some(format!(
+                "test the divisor first: `if ... <> 0 then {quotient} else 0`"
+            ));
         }
-        _ => None,
-    }
+        (FaultCode::IntegerOverflow, _) => "limit the operands first, or compute with reals",
+        (FaultCode::LossyConversion, _) => {
+            "limit the real number first; NaN is the only number that differs from itself"
+        }
+        _ => return None,
+    };
+    Some(text.to_owned())
 }
 
 /// Reported faults of the commands of a run, by the index of the command in the outcome.
@@ -90,7 +99,7 @@ fn fault_help(code: FaultCode) -> Option<&'static str> {
 pub struct Faults(pub(crate) BTreeMap<usize, ReportedFault>);
 
 impl Faults {
-    /// Creates the reports of the faults that ended commands of a run.
+    /// Creates the reports of the faults that ended commands of the run with this outcome.
     #[must_use]
     pub fn from_outcome(outcome: &Outcome) -> Faults {
         let commands = outcome.commands.iter().enumerate();
@@ -121,6 +130,7 @@ impl Faults {
                 diagnostics.push(diagnostic);
             }
         }
+        rpi_diag::fill_quotes(&mut diagnostics, sources);
         diagnostics
     }
 }

@@ -5,11 +5,11 @@ use std::collections::BTreeMap;
 use crate::plot::{Chart, ExecutionSpan, Line, Plot, SpacePath};
 use rpi_runtime::run::{Channel, Outcome, RunEnd, Sink, Source};
 
-/// Sink of samples that collects the paths of the arms and the states of the digital outputs, for a picture of the run.
+/// Sink of samples that collects the paths of the arms and the states of the digital outputs, for a plot of the run.
 #[derive(Default)]
 pub struct MotionSink {
     channels: Vec<Channel>,
-    /// Tick and first three memory words of each collected sample, by channel.
+    /// Number of the tick and first three memory words of each collected sample, by the index of the channel.
     samples: BTreeMap<usize, Vec<(u64, [u64; 3])>>,
 }
 
@@ -33,7 +33,8 @@ impl Sink for MotionSink {
 }
 
 impl MotionSink {
-    /// Returns the picture of the run with this outcome.
+    /// Returns the plot of the run with this outcome: paths, joint positions and velocities, digital outputs and
+    /// commands.
     #[must_use]
     pub fn to_plot(&self, title: &str, outcome: &Outcome) -> Plot {
         let dt = outcome.tick_ns as f64 * 1e-9;
@@ -68,14 +69,15 @@ impl MotionSink {
         }
     }
 
-    /// Returns the devices that have this port, in the order of the cell.
+    /// Returns the names of the devices with samples of the port `wanted`, in the order of the cell.
     fn devices(&self, wanted: &str) -> Vec<&str> {
         let mut devices: Vec<&str> = self.samples_of(wanted).map(|(device, ..)| device).collect();
         devices.dedup();
         devices
     }
 
-    /// Returns device, port index and samples of all channels of a port.
+    /// Returns the samples of all channels of the port `wanted`: name of the device, index of the port, and for each
+    /// sample the number of the tick and three memory words.
     fn samples_of(&self, wanted: &str) -> impl Iterator<Item = (&str, usize, &[(u64, [u64; 3])])> {
         let kept = self.samples.iter();
         kept.filter_map(
@@ -118,7 +120,7 @@ impl MotionSink {
     }
 
     /// Returns the digital outputs of a device as lines of a chart, each with its own vertical offset so that no line
-    /// hides another.
+    /// hides another. `dt` is the tick length in seconds.
     fn switches(&self, device: &str, dt: f64) -> Vec<Line> {
         let mut lines = self.lines(SWITCH, device, ("output", |cell| cell as f64), dt);
         for (k, line) in lines.iter_mut().enumerate() {
@@ -146,7 +148,7 @@ fn chart(title: String, lines: Vec<Line>) -> Chart {
     Chart { title, lines }
 }
 
-/// Returns the slope of a line between successive samples.
+/// Returns the slope of a line between successive samples, as a line of velocities per second.
 fn velocity(line: &Line) -> Line {
     let slope = |w: &[(f64, f64)]| (w[1].0, (w[1].1 - w[0].1) / (w[1].0 - w[0].0));
     Line {

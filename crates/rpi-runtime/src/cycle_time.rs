@@ -16,7 +16,8 @@ const CACHE_FLUSH_BYTES: usize = 32 << 20;
 /// Length of a cache line in bytes.
 const CACHE_LINE_BYTES: usize = 64;
 
-/// Returns the median time of a cycle in nanoseconds over `cycles` cycles with cold caches.
+/// Returns the median time of a cycle of the image in nanoseconds, measured over `cycles` cycles that all start with
+/// cold caches.
 ///
 /// The median excludes most delays caused by other programs on the machine.
 ///

@@ -4,7 +4,7 @@ use std::fmt;
 
 use rpi_core::LoadError;
 
-/// All errors of an image that cannot be loaded. The text has them in one line.
+/// Error: an image cannot be loaded. It has all reasons, which its text lists in one line.
 #[derive(Clone, PartialEq, Debug)]
 pub struct ImageLoadError(pub Vec<LoadError>);
 

@@ -3,13 +3,13 @@
 use std::collections::{HashMap, HashSet};
 use std::hash::{BuildHasherDefault, Hasher};
 
-/// Hash map for lookups only. It must not be iterated where the order matters.
+/// Hash map with a fast hash function. Where the order matters, it must not be iterated.
 pub(crate) type FastMap<K, V> = HashMap<K, V, BuildHasherDefault<FastHasher>>;
 
-/// Hash set for lookups only. It must not be iterated where the order matters.
+/// Hash set with a fast hash function. Where the order matters, it must not be iterated.
 pub(crate) type FastSet<K> = HashSet<K, BuildHasherDefault<FastHasher>>;
 
-/// Hasher that multiplies and rotates, eight bytes at a time.
+/// Hash function that multiplies and rotates, eight bytes of input at a time. It does not resist crafted keys.
 #[derive(Default)]
 pub(crate) struct FastHasher(u64);
 // The integer nearest to 2^64 divided by the golden ratio, as in Fibonacci hashing (Knuth, TAOCP vol. 3).

@@ -11,7 +11,7 @@ use rpi_diag::suppression::{Cause, suppress};
 use rpi_diag::{Diagnostic, FileId, Severity, Span};
 use std::collections::BTreeMap;
 
-/// Returns for each unit whether it has no error, nor any unit that it needs, so that it can be compiled.
+/// Returns for each unit whether it can be compiled, because neither it nor any unit that it needs has an error.
 #[must_use]
 pub fn sound_units(program: &Program<'_>, units: &[Unit], diagnostics: &[Diagnostic]) -> Vec<bool> {
     let errors = diagnostics
@@ -36,7 +36,7 @@ pub fn sound_units(program: &Program<'_>, units: &[Unit], diagnostics: &[Diagnos
 }
 
 /// Removes errors about flows that are never defined (RPI1009) in bodies whose end is missing. The definition may be in
-/// the text that was not recognised as part of the body.
+/// the text that the parser did not recognise as part of the body.
 #[must_use]
 pub fn without_undefined_flows_in_unclosed_bodies(
     program: &Program<'_>,
@@ -63,7 +63,7 @@ fn has_error(unit: &Unit) -> bool {
         || flows.any(|flow| flow.ty.has_unknown())
 }
 
-/// Marks every unit that needs a unit with errors as having errors, too.
+/// Returns `sound` with the units that need a unit with errors marked as having errors as well.
 fn propagate_unsound(units: &[Unit], mut sound: Vec<bool>) -> Vec<bool> {
     let mut users: Vec<Vec<usize>> = vec![Vec::new(); units.len()];
     for (user, unit) in units.iter().enumerate() {
@@ -80,7 +80,7 @@ fn propagate_unsound(units: &[Unit], mut sound: Vec<bool>) -> Vec<bool> {
     sound
 }
 
-/// Returns the units that a unit calls or runs.
+/// Returns the units that a unit calls, or that it runs as steps of a task.
 fn dependencies(unit: &Unit) -> impl Iterator<Item = UnitId> + '_ {
     let calls = unit.exprs.iter().filter_map(|expr| match &expr.kind {
         TypedKind::Call(call) => Some(call.unit),
@@ -89,7 +89,7 @@ fn dependencies(unit: &Unit) -> impl Iterator<Item = UnitId> + '_ {
     calls.chain(unit.steps.iter().map(|step| step.unit))
 }
 
-/// Spans of declarations, which do not overlap: by file, in ascending order.
+/// Spans of declarations, which do not overlap, in ascending order for each file.
 struct Extents(BTreeMap<FileId, Vec<Span>>);
 
 impl Extents {
@@ -106,7 +106,7 @@ impl Extents {
         Extents(all)
     }
 
-    /// Returns the declaration that contains a span.
+    /// Returns the span of the declaration that contains the start of `place`; `None` if there is none.
     fn containing(&self, place: Span) -> Option<Span> {
         let spans = self.0.get(&place.file)?;
         let after = spans.partition_point(|span| span.start <= place.start);

@@ -6,10 +6,10 @@ use crate::typed::{Expr, TypedKind};
 use rpi_syntax::ast::CommandEndKind;
 use std::collections::BTreeSet;
 
-/// Primitives for integer division.
+/// Names of the primitives for integer division and modulo.
 const DIVISION_PRIMS: [&str; 2] = ["Core::IntDivide", "Rpi::IntModulo"];
 
-/// Returns one line per analysis, by its name, for a unit and all units that it calls.
+/// Returns one line for each analysis, with the name of the analysis, about a unit and all units that it calls.
 #[must_use]
 pub fn summary(units: &[Unit], id: UnitId) -> Vec<(&'static str, String)> {
     if units[id.0 as usize].kind == UnitKind::Task {
@@ -59,7 +59,7 @@ fn task_summary(units: &[Unit], task: &Unit) -> Vec<(&'static str, String)> {
     ]
 }
 
-/// Returns a unit and the units that it calls, transitively.
+/// Returns a unit and all units that it calls, directly or through other units.
 fn transitive_callees(units: &[Unit], id: UnitId) -> BTreeSet<UnitId> {
     let (mut seen, mut open) = (BTreeSet::new(), vec![id]);
     while let Some(id) = open.pop() {

@@ -10,7 +10,7 @@
 
 use std::fmt;
 
-/// Syntax tree of the condition of a rule, as clients write it.
+/// Syntax tree of a rule condition: a Boolean expression over facts about commands, as clients write it.
 #[derive(Clone, PartialEq, Eq, Debug)]
 pub(crate) enum Expr {
     /// The condition that is always true.
@@ -23,31 +23,31 @@ pub(crate) enum Expr {
     And(Box<Expr>, Box<Expr>),
     /// Disjunction of two conditions.
     Or(Box<Expr>, Box<Expr>),
-    /// A fact about the command with this name.
+    /// Fact about a command: the name of the command, and the fact.
     Fact(String, FactExpr),
 }
 
-/// A fact about a command, before its names are resolved.
+/// Fact about a command in a rule condition. Names of exports and results are texts and not yet resolved.
 #[derive(Clone, PartialEq, Eq, Debug)]
 pub(crate) enum FactExpr {
-    /// The Boolean export with this key is true.
+    /// True if the command's Boolean export with this key is true.
     Export(String),
-    /// The command has ended.
+    /// True once the command has ended, in any way.
     Ended,
-    /// The command has ended without error and was not cancelled, aborted or stopped.
+    /// True once the command has ended without error and was not cancelled, aborted or stopped.
     Regular,
-    /// The command has ended with an error, a fault or an abort.
+    /// True once the command has ended with an error, a fault or an abort.
     Failed,
-    /// The command has ended with the result of this name.
+    /// True once the command has ended with the result of this name.
     Result(String),
-    /// The command has ended with this error number.
+    /// True once the command has ended with this error number.
     Error(i64),
 }
 
-/// Error: a text is not a condition.
+/// Error: a text is not a valid rule condition.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub(crate) enum ConditionError {
-    /// The text differs from the expected syntax at this byte offset.
+    /// The text of the condition differs from the expected syntax at this byte offset.
     Expected {
         /// Description of the expected syntax.
         what: &'static str,
@@ -73,13 +73,13 @@ impl fmt::Display for ConditionError {
 
 impl std::error::Error for ConditionError {}
 
-/// Maximum nesting depth of a condition.
+/// Maximum nesting depth of negations and parentheses in a rule condition.
 const MAX_DEPTH: usize = 32;
-/// Maximum number of facts in a condition.
+/// Maximum number of facts about commands in a rule condition.
 const MAX_FACTS: usize = 256;
 
 impl Expr {
-    /// Returns the number of facts in the condition.
+    /// Returns the number of facts in the condition; the constants true and false count as one each.
     pub(crate) fn fact_count(&self) -> usize {
         match self {
             Expr::Not(inner) => inner.fact_count(),
@@ -89,10 +89,10 @@ impl Expr {
     }
 }
 
-/// Parses a condition.
+/// Parses the text of a rule condition, such as `n3.done & !n4@ended`, to a syntax tree.
 ///
 /// # Errors
-/// If the text is not a condition.
+/// If the text is not a condition, or is too long or nested too deeply.
 pub(crate) fn parse(text: &str) -> Result<Expr, ConditionError> {
     let mut parser = Parser {
         text,
@@ -110,7 +110,7 @@ pub(crate) fn parse(text: &str) -> Result<Expr, ConditionError> {
 struct Parser<'a> {
     text: &'a str,
     at: usize,
-    /// Number of further facts that the condition may have before it exceeds the limit.
+    /// Number of further facts that the parser accepts before the condition exceeds [`MAX_FACTS`].
     facts_left: usize,
 }
 

@@ -12,26 +12,29 @@ use rpi_runtime::run::TickCollector;
 use rpi_runtime::tick_log::LoggingBank;
 use rpi_sim::SimBank;
 
-/// The core with its devices, its timer and the observer that is called for every command after each of its cycles.
+/// Data of the cycle thread: the core with its devices, the timer of its ticks, and the observer that is called for
+/// every command after each of its cycles.
 pub(crate) struct CycleThread {
     pub(crate) executive: Executive<LoggingBank<SimBank>>,
     pub(crate) timer: TickTimer,
     pub(crate) watch: Box<dyn CycleObserver + Send>,
-    /// Wrapper around each tick; it must call its argument once.
+    /// Function called for each tick with the tick as its argument, which the function must call once. Tests use the
+    /// function to trap allocations.
     pub(crate) tick_wrapper: fn(&mut dyn FnMut()),
-    /// Set when the thread must stop; no further tick starts.
+    /// Set when the cycle thread must end; no further tick starts.
     pub(crate) stop: Arc<AtomicBool>,
-    /// Emergency stop request: while it is set, everything is stopped at the end of each tick.
+    /// Emergency stop request: while the flag is set, all commands are aborted at the end of each tick.
     pub(crate) emergency_stop: Arc<AtomicBool>,
-    /// Recorder of each tick, if the run is recorded.
+    /// Recorder of each tick; `None` if the run is not recorded.
     pub(crate) recorder: Option<TickCollector>,
-    /// Number of ticks missing from the recording. Set after the last tick.
+    /// Number of ticks that are missing from the recording, because the recorder could not keep up. Set after the last
+    /// tick.
     pub(crate) lost_ticks: Arc<OnceLock<u64>>,
 }
 
 impl CycleThread {
-    /// Requests the real-time settings from the system, publishes the results in `granted` and runs the ticks. With the
-    /// system call filter installed, this function never returns.
+    /// Requests the real-time settings from the operating system, publishes in `granted` which of them were granted,
+    /// and runs ticks until the thread must stop. With the system call filter installed, this function never returns.
     pub(crate) fn run(
         mut self,
         real_time: Option<RealTime>,
@@ -81,10 +84,14 @@ impl CycleThread {
             collector.halt(executive, why);
         }
         collector.record_tick(executive, (now, wall_ns));
+        self.timer
+            .metrics()
+            .set_unrecorded_ticks(collector.lost_ticks());
     }
 }
 
-/// Returns the reason to stop everything, if there is one.
+/// Returns the reason for which all commands must be aborted: the emergency stop flag `alarm`, or overruns that are
+/// `too_often`. Returns `None` if the commands may continue.
 fn reason_to_stop(alarm: &AtomicBool, too_often: bool) -> Option<AbortReason> {
     match (alarm.load(Ordering::Relaxed), too_often) {
         (true, _) => Some(AbortReason::EmergencyStop),

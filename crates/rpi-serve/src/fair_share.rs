@@ -6,19 +6,36 @@
 
 use crate::peer::Peer;
 
-/// Factor of the share of a peer: all clients of one peer may together hold this many times the free amount.
+/// Factor of the share of a peer: all clients of one peer together may hold this many times the amount that is still
+/// free.
 const PEER_FACTOR: usize = 3;
 
-/// Client connection: its number and network origin.
+/// Client connection, identified by a number, with its network origin.
 #[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Debug)]
 pub(crate) struct Client {
     number: u64,
     peer: Peer,
+    /// Whether the client may act on the sessions of other clients.
+    manages: bool,
 }
 
 impl Client {
     pub(crate) fn new(number: u64, peer: Peer) -> Client {
-        Client { number, peer }
+        Client {
+            number,
+            peer,
+            manages: false,
+        }
+    }
+
+    /// Sets whether the client may act on the sessions of other clients.
+    pub(crate) fn with_management(self, manages: bool) -> Client {
+        Client { manages, ..self }
+    }
+
+    /// Returns whether the client may act on the sessions of other clients.
+    pub(crate) fn manages(&self) -> bool {
+        self.manages
     }
 
     /// Returns the peer (network origin) of the client.
@@ -27,18 +44,19 @@ impl Client {
     }
 }
 
-/// Client or peer that a held resource counts for.
+/// Client or peer whose share of a limited resource a held amount counts for.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub(crate) enum Holder {
     /// The resource counts for this connected client.
     Connected(Client),
     /// The client has disconnected. The resource still counts for its peer.
     Disconnected(Client),
-    /// The resource counts for no client in particular.
+    /// The resource counts for no client and no peer.
     Unowned,
 }
 
-/// Amount of a limited resource in use, as seen by a client that requests more.
+/// Amounts of a limited resource in use: in total, by one peer, and by one client. A request for more is checked
+/// against them.
 #[derive(Clone, Copy, Default, Debug)]
 pub(crate) struct Usage {
     all: usize,
@@ -46,19 +64,19 @@ pub(crate) struct Usage {
     of_client: usize,
 }
 
-/// Reason for rejecting a request for more of a resource.
+/// Reason for rejecting a request for more of a limited resource, such as memory.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub(crate) enum QuotaError {
-    /// Not enough of the resource is left for anyone.
+    /// Less of the resource is left for all clients together than the request needs.
     Exhausted,
-    /// The share of the client would be exceeded.
+    /// The client would hold more than its share of the resource.
     ClientShare,
-    /// The share of all clients of the peer would be exceeded.
+    /// All clients of the peer together would hold more than the share of a peer.
     PeerShare,
 }
 
 impl Usage {
-    /// Sums up the held amounts, as seen by `client`.
+    /// Sums up the held amounts (holder and amount of each): in total, by the peer of `client`, and by `client`.
     pub(crate) fn for_client(
         client: Option<Client>,
         held: impl IntoIterator<Item = (Holder, usize)>,
@@ -81,7 +99,8 @@ impl Usage {
         taken
     }
 
-    /// Returns the usage of a resource that is shared by peer only, not by client.
+    /// Returns the usage of a resource that is shared by peer only and not by client: the amounts held by all peers and
+    /// by one peer.
     pub(crate) fn for_peer(all: usize, of_peer: usize) -> Usage {
         Usage {
             all,
@@ -90,7 +109,8 @@ impl Usage {
         }
     }
 
-    /// Returns an error if `more` would exceed `limit` or a share of it.
+    /// Returns an error if `more` of the resource would exceed the total `limit`, the share of the client or that of
+    /// its peer.
     pub(crate) fn admit(&self, more: usize, limit: usize) -> Result<(), QuotaError> {
         // Shares are shares of the free amount: one client alone may use much, and later ones still find space
         // (decision 11).

@@ -10,45 +10,50 @@ use std::time::Duration;
 /// that.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub struct Limits {
-    /// Maximum number of connections that may be open at the same time.
+    /// Maximum number of clients over the network that may be connected at the same time.
     pub connections: usize,
-    /// Number of open sessions.
+    /// Maximum numbers of the other connections: unauthenticated ones, those at Unix sockets, and those for emergency
+    /// stops.
+    pub places: PlaceLimits,
+    /// Maximum number of sessions that are open at the same time, over all clients.
     pub sessions: usize,
-    /// Number of commands in the table plus tasks, over all sessions.
+    /// Maximum number of commands in the core's table plus tasks, over all sessions.
     pub commands: usize,
-    /// Number of active rules, over all sessions.
+    /// Maximum number of active rules, over all sessions.
     pub rules: usize,
-    /// Total size of all active rules: facts in their conditions plus commands that they stop, cancel and start. The
-    /// cycle evaluates all of them in each tick.
+    /// Maximum total size of all active rules. The size of a rule is the number of facts in its condition plus the
+    /// number of commands that it stops, cancels and starts. The cycle evaluates all active rules in each tick.
     pub rule_size: usize,
-    /// Memory slots (8 bytes each) that one request may set: numbers or array elements.
+    /// Maximum number of memory slots (8 bytes each: numbers or array elements) that one request may set.
     pub values_per_request: usize,
-    /// Number of devices, including those of the cell.
+    /// Maximum number of devices, including those of the cell.
     pub devices: usize,
-    /// Size of one message in bytes.
+    /// Maximum size of one message of a client, in bytes.
     pub message_bytes: usize,
-    /// Memory of commands and tasks in bytes, over all sessions.
+    /// Maximum memory of commands and tasks in bytes, over all sessions.
     pub memory_bytes: usize,
-    /// Number of values in one JSON message, those inside of others included. A value takes more memory than its text.
+    /// Maximum number of values in one JSON message, counting nested values. A value takes more memory than its text.
     pub json_values: usize,
-    /// Number of requests in one batch.
+    /// Maximum number of requests that a client may send in one JSON-RPC batch.
     pub batch_requests: usize,
-    /// Number of messages that may be queued for a client that does not read them.
+    /// Maximum number of messages that may be queued for a client. A client whose queue is full is disconnected.
     pub queued_messages: usize,
-    /// Total size in bytes of the messages that may be queued for a client, and of the answers to one batch.
+    /// Maximum total size in bytes of the messages that may be queued for a client. The answers to one batch may have
+    /// half of it.
     pub queued_bytes: usize,
-    /// Number of subscriptions of one client.
+    /// Maximum number of subscriptions of one client.
     pub subscriptions: usize,
-    /// Length of a session, command or device name in bytes. A longer device name is rejected, any other one is
-    /// truncated.
+    /// Maximum length of a session, command, task or device name in bytes. A longer device name is rejected; any other
+    /// name is truncated.
     pub name_bytes: usize,
-    /// Number of loads of one client that may be queued. Clients take turns.
+    /// Maximum number of queued load requests of one client. The clients with queued requests take turns.
     pub queued_loads: usize,
     /// Timeout from the first to the last byte of a request head.
     pub request_timeout: Duration,
     /// Delay before a request with a wrong token is answered.
     pub wrong_token_delay: Duration,
-    /// Timeout without any message, answers to pings included, from a client of the native interface over a websocket.
+    /// Time after which a websocket client of JSON-RPC is disconnected if it sends nothing, not even an answer to a
+    /// ping.
     pub idle_timeout: Duration,
 }
 
@@ -56,6 +61,7 @@ impl Default for Limits {
     fn default() -> Limits {
         Limits {
             connections: 64,
+            places: PlaceLimits::default(),
             sessions: 32,
             commands: 256,
             rules: 1024,
@@ -78,27 +84,51 @@ impl Default for Limits {
     }
 }
 
+/// Maximum numbers of connections, apart from those of authenticated clients over the network.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub struct PlaceLimits {
+    /// Maximum number of network connections that are not authenticated yet. The oldest one of the peer with most of
+    /// them is closed for a new one.
+    pub unauthenticated: usize,
+    /// Maximum number of clients at the Unix sockets.
+    pub socket: usize,
+    /// Maximum number of clients beyond the other limits. Such a client may only request the emergency stop. The oldest
+    /// one of the peer with most of them is closed for a new one.
+    pub emergency: usize,
+}
+
+impl Default for PlaceLimits {
+    fn default() -> PlaceLimits {
+        PlaceLimits {
+            unauthenticated: 32,
+            socket: 64,
+            emergency: 8,
+        }
+    }
+}
+
 /// Policy for the commands of a session whose client has disconnected.
 #[derive(Clone, Copy, PartialEq, Eq, Default, Debug)]
 pub enum OnLoss {
-    /// Commands keep running; another client may take the session over.
+    /// Commands keep running. Another client may take over the session.
     RunOn,
-    /// Running commands are cancelled and end on their path; waiting ones are unloaded.
+    /// Running commands are cancelled, so that their programs bring the motion to an end. Commands that do not run are
+    /// unloaded.
     #[default]
     Cancel,
-    /// Commands end at once, and their devices stop within their own limits.
+    /// Commands are aborted at once, and moving devices brake within their own limits.
     Abort,
 }
 
 impl OnLoss {
-    /// All policies with their names.
+    /// All policies with their names in requests and options.
     pub const ALL: [(&'static str, OnLoss); 3] = [
         ("run-on", OnLoss::RunOn),
         ("cancel", OnLoss::Cancel),
         ("abort", OnLoss::Abort),
     ];
 
-    /// Returns the policy with this name.
+    /// Returns the policy with this name; `None` if the name is unknown.
     pub fn from_name(name: &str) -> Option<OnLoss> {
         let found = Self::ALL.iter().find(|(known, _)| *known == name);
         found.map(|(_, policy)| *policy)

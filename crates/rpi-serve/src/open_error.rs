@@ -1,4 +1,4 @@
-//! Errors of opening the server.
+//! Errors of opening and operating the server.
 
 use std::fmt;
 use std::io;
@@ -8,14 +8,14 @@ use std::path::PathBuf;
 /// Error: the server's certificate or key cannot be used.
 #[derive(Clone, PartialEq, Eq, Debug)]
 pub enum IdentityError {
-    /// A certificate or key file cannot be read or used.
+    /// A file with a certificate or key cannot be read or used.
     File {
-        /// Path of the file.
+        /// Path of the file with the certificate or key.
         path: PathBuf,
         /// Description of the error.
         reason: String,
     },
-    /// The server was built without TLS.
+    /// The server was built without support for TLS.
     TlsUnsupported,
 }
 
@@ -37,16 +37,16 @@ impl std::error::Error for IdentityError {}
 pub enum OpenError {
     /// The server would be reachable from other machines without protection.
     Unprotected {
-        /// Configured listening address.
+        /// Configured address at which the server would listen.
         address: SocketAddr,
         /// Whether no token is configured, so that every client would be accepted.
         no_token: bool,
         /// Whether TLS is not configured, so that the traffic could be read and changed on its way.
         no_tls: bool,
     },
-    /// The certificate or the key cannot be used.
+    /// The server's TLS certificate or private key cannot be used.
     Identity(IdentityError),
-    /// A system call failed.
+    /// A system call failed, such as binding the listening address.
     Io(io::Error),
 }
 
@@ -83,7 +83,22 @@ impl From<io::Error> for OpenError {
     }
 }
 
-/// Adds the address and a hint to an error of binding it.
+/// Error: the emergency stop cannot be reset.
+#[derive(Clone, PartialEq, Eq, Debug)]
+pub struct ResetError {
+    /// Reason why the emergency stop cannot be reset, for the operator.
+    pub reason: String,
+}
+
+impl fmt::Display for ResetError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(&self.reason)
+    }
+}
+
+impl std::error::Error for ResetError {}
+
+/// Returns the error of binding the listening address `at`, with the address and a hint added to its text.
 pub(crate) fn bind_error(at: SocketAddr, why: &io::Error) -> io::Error {
     let helps = match why.kind() {
         io::ErrorKind::AddrInUse => {

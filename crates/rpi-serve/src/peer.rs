@@ -3,14 +3,14 @@
 use std::fmt;
 use std::net::{IpAddr, Ipv6Addr};
 
-/// Network origin of a client, by which shares of resources are assigned. All connections from this machine count as
-/// one peer.
+/// Network origin of a client. Limited resources are shared between peers, so that one machine cannot take all of them.
+/// All connections from the server's own machine count as one peer.
 #[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Debug)]
 pub(crate) enum Peer {
-    /// This machine: loopback or Unix socket.
+    /// The server's own machine: a loopback address or a Unix socket.
     Local,
-    /// A remote address. An IPv6 address is reduced to its /64 network, in which one machine may use any number of
-    /// addresses (RFC 4291).
+    /// Address of another machine. An IPv6 address is reduced to its /64 network, in which one machine may use any
+    /// number of addresses (RFC 4291).
     Remote(IpAddr),
 }
 

@@ -2,7 +2,7 @@
 
 use std::io;
 use std::net::{SocketAddr, TcpListener};
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, OnceLock};
 use std::thread::{self, JoinHandle};
@@ -18,37 +18,38 @@ use rpi_runtime::tick_log::LoggingBank;
 use rpi_sim::Cell;
 
 use crate::cycle::CycleThread;
-use crate::open_error::{OpenError, bind_error};
-use crate::settings::Settings;
-use crate::state::{SharedState, bank};
-use crate::transport::{Acceptor, AuthPolicy, AuthThrottle};
+use crate::open_error::{OpenError, ResetError, bind_error};
+use crate::settings::{Settings, SocketSettings};
+use crate::state::{SharedState, StopOrigin, bank};
+use crate::transport::{Acceptor, AuthPolicy, AuthThrottle, Places};
 
-/// Interval at which the server state is updated from the cycle's reports.
+/// Interval at which the server state is updated from the events that the cycle thread reports.
 const UPDATE_INTERVAL: Duration = Duration::from_millis(1);
 
-/// Time limit for devices to come to rest before the cycle ends.
+/// Maximum time to wait on closing until all devices are at rest. The cycle ends after it in any case.
 const REST_TIMEOUT: Duration = Duration::from_secs(5);
 
 /// Name of the cycle thread.
 const CYCLE_THREAD: &str = "rpi-cycle";
 
-/// Capacity of the request queue to the cycle.
+/// Capacity of the queue of requests to the cycle thread, in requests.
 const REQUESTS: usize = 4096;
 
-/// A running server. Dropping it stops everything and closes it; the cycle runs until the devices are at rest.
+/// A running server. Dropping it aborts all commands and closes the server; the cycle continues until the devices are
+/// at rest, for at most five seconds.
 #[derive(Debug)]
 pub struct Server {
     address: SocketAddr,
-    /// Path of the Unix socket that the server created and must remove.
-    socket: Option<PathBuf>,
+    /// Paths of the Unix sockets that the server created and must remove.
+    sockets: Vec<PathBuf>,
     grants: Vec<ResourceGrant>,
-    /// Set when connections must end and no further one is accepted.
+    /// Set when open connections must end and no further connection is accepted.
     closing: Arc<AtomicBool>,
-    /// Set when the threads of the cycle and the server state must end.
+    /// Set when the cycle thread and the thread that updates the server state must end.
     over: Arc<AtomicBool>,
     threads: Vec<JoinHandle<()>>,
     state: Option<SharedState>,
-    /// Number of ticks missing from the recording. Set after the last tick.
+    /// Number of ticks that the recorder lost, because it could not keep up. Set after the last tick.
     lost: Arc<OnceLock<u64>>,
 }
 
@@ -66,10 +67,12 @@ impl Server {
         Server::open_recorded(cell, settings, watch, None)
     }
 
-    /// As [`Server::open`], and records everything that the core does until the server is [closed](Server::close).
+    /// Opens a server for the devices of a cell and records everything that the core does until the server is
+    /// [closed](Server::close). `watch` is called for every command after each of its cycles, on the cycle thread.
     ///
     /// # Errors
-    /// Those of [`Server::open`], and those of writing the recording.
+    /// If the address requires a token or TLS, a certificate cannot be used, a system call fails, or the recording
+    /// cannot be written.
     pub fn open_recorded(
         cell: &Cell,
         settings: &Settings,
@@ -84,7 +87,7 @@ impl Server {
         let address = listener.local_addr()?;
         let mut server = Server {
             address,
-            socket: None,
+            sockets: Vec::new(),
             grants: Vec::new(),
             closing: Arc::default(),
             over: Arc::default(),
@@ -98,15 +101,15 @@ impl Server {
             state: shared,
             limits: settings.limits,
             auth: AuthPolicy {
-                token: settings.token.clone(),
+                tokens: settings.tokens.clone(),
             },
             identity,
             closing: Arc::clone(&server.closing),
-            connections: Arc::default(),
+            places: Places::new(settings.limits),
             throttle: AuthThrottle::default(),
         };
-        if let Some(path) = &settings.socket {
-            server.listen_at(path, acceptor.clone())?;
+        for socket in &settings.sockets {
+            server.listen_at(socket, acceptor.clone())?;
         }
         server.spawn("rpi-listen", move || acceptor.accept_all(&listener))?;
         Ok(server)
@@ -128,18 +131,23 @@ impl Server {
             budget: settings.budget(),
             ..Options::default()
         };
-        let devices = LoggingBank::new(bank(cell, limits.devices, tick_ns));
+        let mut devices = bank(cell, limits.devices, tick_ns);
+        let opened = devices.open(settings.pace == TimeBase::Real);
+        opened.map_err(io::Error::other)?;
+        let devices = LoggingBank::new(devices);
         // `NoDevices`: the loader resolves device names against its own copy of the devices, so that it never waits for
         // the cycle.
         let (mut control, mut executive) = open(devices, Box::new(NoDevices), options);
         let run_options = (tick_ns, settings.continuity.unwrap_or_default());
         let record = |wanted| record(wanted, cell, run_options, (&mut control, &mut executive));
         let (recorder, collector) = recording.map(record).transpose()?.unzip();
-        let shared = SharedState::new(cell, (control, recorder), settings)?;
         let overrun = settings.real_time.map(|r| r.overrun).unwrap_or_default();
+        let timer = TickTimer::start(settings.pace, tick_ns, overrun);
+        let metrics = Arc::clone(timer.metrics());
+        let shared = SharedState::new(cell, (control, recorder), metrics, settings)?;
         let cycle = CycleThread {
             executive,
-            timer: TickTimer::start(settings.pace, tick_ns, overrun),
+            timer,
             watch,
             tick_wrapper: settings.tick_wrapper,
             stop: Arc::clone(&self.over),
@@ -158,7 +166,7 @@ impl Server {
         Ok(shared)
     }
 
-    /// Starts the cycle thread and waits until it has published the system's grants.
+    /// Starts the cycle thread and waits until it has published which real-time settings the system granted.
     fn run(&mut self, cycle: CycleThread, real_time: Option<RealTime>) -> io::Result<()> {
         let granted = Arc::new(OnceLock::new());
         let publish = Arc::clone(&granted);
@@ -180,15 +188,17 @@ impl Server {
     }
 
     #[cfg(unix)]
-    fn listen_at(&mut self, path: &Path, acceptor: Acceptor) -> io::Result<()> {
-        let listener = crate::transport::bind(path)?;
-        self.socket = Some(path.to_owned());
-        listener.set_nonblocking(true)?;
-        self.spawn("rpi-listen", move || acceptor.accept_all_local(&listener))
+    fn listen_at(&mut self, socket: &SocketSettings, acceptor: Acceptor) -> io::Result<()> {
+        let listener = crate::transport::bind(&socket.path, socket.mode)?;
+        self.sockets.push(socket.path.clone());
+        let role = socket.role;
+        self.spawn("rpi-listen", move || {
+            acceptor.accept_all_local(&listener, role);
+        })
     }
 
     #[cfg(not(unix))]
-    fn listen_at(&mut self, _: &Path, _: Acceptor) -> io::Result<()> {
+    fn listen_at(&mut self, _: &SocketSettings, _: Acceptor) -> io::Result<()> {
         Err(io::ErrorKind::Unsupported.into())
     }
 
@@ -198,39 +208,63 @@ impl Server {
         Ok(())
     }
 
-    /// Returns the system's answers to the real-time settings requested for the cycle thread.
+    /// Returns, for each real-time setting that was requested for the cycle thread, whether the system granted it.
     #[must_use]
     pub fn grants(&self) -> &[ResourceGrant] {
         &self.grants
     }
 
-    /// Stops everything in this tick. Nothing can be started until the emergency stop is reset. `by` names who
-    /// requested it, or the reason.
+    /// Aborts all commands in this tick, as requested by the operator at the terminal or by an input of the cell.
+    /// Nothing can be started until [`Server::reset_emergency`] is called, or a client with the right to do so resets
+    /// the stop. `by` is the name of the requester, or the reason.
     pub fn emergency_stop(&self, by: &str) {
         if let Some(shared) = &self.state {
+            let by = (by, StopOrigin::Operator);
             shared.lock().emergency_stop(by, Box::new(|_| {}));
         }
     }
 
-    /// Takes the warnings for the operator since the last call, such as a full disk that ended the recording or wrong
-    /// tokens. The run continues.
+    /// Resets the emergency stop, as requested by the operator, so that commands can be started again.
+    ///
+    /// # Errors
+    /// If a device still moves or earlier requests are pending.
+    pub fn reset_emergency(&self) -> Result<(), ResetError> {
+        let Some(shared) = &self.state else {
+            return Ok(());
+        };
+        let reset = shared
+            .lock()
+            .reset_emergency("the operator", StopOrigin::Operator);
+        reset.map_err(|why| ResetError {
+            reason: why.to_string(),
+        })
+    }
+
+    /// Removes and returns the warnings for the operator since the last call, such as a full disk that ended the
+    /// recording, or requests with wrong tokens. The server continues in spite of them.
     #[must_use]
     pub fn warnings(&self) -> Vec<String> {
         let shared = self.state.as_ref();
         shared.map_or_else(Vec::new, |shared| shared.lock().log.take_warnings())
     }
 
-    /// Returns the listening address.
+    /// Returns a handle of the server state, which all connections share.
+    #[cfg(test)]
+    pub(crate) fn shared(&self) -> SharedState {
+        self.state.clone().unwrap()
+    }
+
+    /// Returns the address and port at which the server listens.
     #[must_use]
     pub fn address(&self) -> SocketAddr {
         self.address
     }
 
-    /// Closes the server: it stops accepting requests, stops everything and runs the cycle until all devices are at
-    /// rest, for at most five seconds. Returns the statistics of the recording, if there is one.
+    /// Closes the server: it stops accepting requests, aborts all commands and runs the cycle until all devices are at
+    /// rest, for at most five seconds. Returns the statistics of the recording; `None` if the run was not recorded.
     ///
     /// # Errors
-    /// Those of writing the recording.
+    /// If the recording cannot be written.
     pub fn close(mut self) -> io::Result<Option<RecordingStats>> {
         self.end()
     }
@@ -250,11 +284,17 @@ impl Server {
             thread::sleep(UPDATE_INTERVAL);
         }
         let lost = self.lost.get().copied().unwrap_or_default();
-        let shared = self.state.take();
-        shared.map_or(Ok(None), |shared| shared.lock().finish_recording(lost))
+        let Some(shared) = self.state.take() else {
+            return Ok(None);
+        };
+        let finished = shared.lock().finish_recording(lost);
+        let log_file = shared.lock().log.take_file();
+        drop(log_file);
+        finished
     }
 
-    /// Stops everything and waits until the devices are at rest. A moving arm must not lose its controller.
+    /// Aborts all commands and waits until the devices are at rest, for at most [`REST_TIMEOUT`]. A moving arm must not
+    /// lose its controller.
     fn stop_and_wait(&self) {
         let Some(shared) = &self.state else {
             return;
@@ -293,7 +333,7 @@ impl Drop for Server {
     fn drop(&mut self) {
         // Errors of the recording are lost here; `close` returns them.
         let _ = self.end();
-        if let Some(path) = &self.socket {
+        for path in &self.sockets {
             let _ = std::fs::remove_file(path);
         }
     }
@@ -305,6 +345,7 @@ mod tests {
 
     use super::*;
     use crate::peer::Peer;
+    use crate::role::{Identity, Role};
     use crate::state::{Language, LoadRequest, SessionPolicy, Subscriber, Update};
 
     /// A net that moves an axis of the arm back and forth for ever.
@@ -315,10 +356,12 @@ mod tests {
 
     /// Starts a command on the server and waits until the arm moves.
     fn swing(shared: &SharedState) {
-        let client = shared.lock().objects.client(Peer::Local);
-        let session = shared
-            .lock()
-            .open_session("test", SessionPolicy::default(), (client, true));
+        let me = Identity::unnamed(Peer::Local, Role::Programmer);
+        let client = shared.lock().objects.client(&me);
+        let session =
+            shared
+                .lock()
+                .open_session("test", SessionPolicy::default(), (client, true), &me);
         let session = session.unwrap();
         let load = LoadRequest {
             session: &session,
@@ -370,18 +413,20 @@ mod tests {
         let server = Server::open(&cell, &settings, ()).unwrap();
         let shared = server.state.clone().unwrap();
         let mut state = shared.lock();
-        let client = state.objects.client(Peer::Local);
+        let me = Identity::unnamed(Peer::Local, Role::Programmer);
+        let client = state.objects.client(&me);
         let session = state
-            .open_session("test", SessionPolicy::default(), (client, true))
+            .open_session("test", SessionPolicy::default(), (client, true), &me)
             .unwrap();
         state.emergency.watch(Box::new(Disconnected));
         state.devices.watch(Box::new(Disconnected));
+        state.controls.watch(Box::new(Disconnected));
         state
             .objects
             .sessions
             .watch(&session, Box::new(Disconnected))
             .unwrap();
-        assert_eq!(state.subscriber_count(), 3);
+        assert_eq!(state.subscriber_count(), 4);
         state.on_client_lost(client, &[]);
         assert_eq!(state.subscriber_count(), 0);
     }

@@ -8,8 +8,11 @@ use rpi_core::Continuity;
 use rpi_runtime::control::Budget;
 use rpi_runtime::realtime::{RealTime, TimeBase};
 
+use crate::client_token::ClientToken;
+use crate::compile::CompilerSettings;
 use crate::limits::{Limits, OnLoss};
 use crate::open_error::OpenError;
+use crate::role::Role;
 use crate::transport::TlsIdentity;
 
 /// Configuration of a server.
@@ -17,37 +20,46 @@ use crate::transport::TlsIdentity;
 pub struct Settings {
     /// Listening address. An address beyond loopback requires a token and TLS.
     pub listen: SocketAddr,
-    /// Path of an additional Unix socket: JSON-RPC, one message per line.
-    pub socket: Option<PathBuf>,
-    /// Token that clients must present.
-    pub token: Option<String>,
-    /// Certificate and key files for encrypted connections.
+    /// Additional Unix sockets at which the server accepts JSON-RPC, one message per line.
+    pub sockets: Vec<SocketSettings>,
+    /// Accepted tokens. A client over the network must present one of them. If the list is empty, every client is
+    /// accepted.
+    pub tokens: Vec<ClientToken>,
+    /// Certificate and key files for TLS; `None` for unencrypted connections.
     pub tls: Option<TlsFiles>,
-    /// Allows listening beyond loopback without token or TLS.
+    /// Whether the server may listen beyond loopback without a token or TLS.
     pub insecure: bool,
-    /// Length of a tick in nanoseconds. Command periods are whole multiples of it.
+    /// Length of a tick in nanoseconds. Periods of commands are whole multiples of the tick.
     pub tick_ns: u64,
-    /// Time source of the ticks: real or simulated time.
+    /// Relation of the ticks to time: real time, or simulated or accelerated time.
     pub pace: TimeBase,
-    /// Wrapper around each tick; it must call its argument once. Tests use it to trap allocations.
+    /// Function called for each tick with the tick as its argument, which the function must call once. Tests use the
+    /// function to trap allocations.
     pub tick_wrapper: fn(&mut dyn FnMut()),
-    /// Real-time settings requested for the cycle thread and the policy for ticks that end after the next one is due.
-    /// `None` runs an ordinary thread.
+    /// Real-time settings requested for the cycle thread, and the policies for overruns (ticks that end after the next
+    /// one is due). `None` runs an ordinary thread.
     pub real_time: Option<RealTime>,
-    /// Policy for a takeover with a jump. With `None`, such a command is refused if it comes from a program and allowed
-    /// if it comes from a net of the reference system, which was written for control cores without this check.
+    /// Policy for a takeover with a discontinuity of the set-points. With `None`, such a command is rejected if it was
+    /// compiled from a program, and accepted if it was compiled from a net of the reference system (the control core of
+    /// the Robotics API), because such nets are written for control cores without this check.
     pub continuity: Option<Continuity>,
-    /// Policy for the commands of a session whose client has disconnected, unless the client specifies one.
+    /// Policy for the commands of a session whose client has disconnected. A session may set another policy.
     pub on_loss: OnLoss,
-    /// Time in which a cancelled command must end; afterwards it is aborted, and its devices brake on their own. A session
-    /// or a request may set another one.
+    /// Time within which a cancelled command must end. Afterwards the command is aborted, and its devices brake on
+    /// their own. A session or a request may set another time.
     pub grace: Duration,
-    /// Maximum share of a tick for all commands together, from 0 to 1, by the compiler's bounds. Commands beyond it are
-    /// rejected; the rest of the tick is for requests and devices. `None` disables the check.
+    /// Maximum share of a tick for the cycles of all commands together, from 0 to 1. The time of each cycle is the
+    /// compiler's upper bound. Commands beyond the share are rejected; the rest of the tick is for requests and
+    /// devices. `None` disables the check.
     pub cycle_share: Option<f64>,
-    /// Time of an elementary operation in nanoseconds; `rpic machine` measures the worst case.
+    /// Worst-case time of an elementary operation, such as an addition of reals, in nanoseconds. `rpic machine`
+    /// measures it. The server uses it to reject commands that would not fit into a tick.
     pub ns_per_operation: f64,
-    /// Resource limits of clients.
+    /// File to which each line of the log is appended as a JSON object, if any.
+    pub log_file: Option<PathBuf>,
+    /// Process in which the texts of clients are compiled.
+    pub compiler: CompilerSettings,
+    /// Limits on the resources that clients may use.
     pub limits: Limits,
 }
 
@@ -55,8 +67,8 @@ impl Default for Settings {
     fn default() -> Settings {
         Settings {
             listen: SocketAddr::new(IpAddr::from([127, 0, 0, 1]), 8080),
-            socket: None,
-            token: None,
+            sockets: Vec::new(),
+            tokens: Vec::new(),
             tls: None,
             insecure: false,
             tick_ns: 1_000_000,
@@ -68,24 +80,51 @@ impl Default for Settings {
             grace: Duration::from_secs(5),
             cycle_share: Some(Budget::SHARE),
             ns_per_operation: Budget::NS_PER_OPERATION,
+            log_file: None,
+            compiler: CompilerSettings::default(),
             limits: Limits::default(),
         }
     }
 }
 
-/// PEM files that identify the server.
+/// Unix socket whose clients have a fixed role. The permissions of the socket file decide who may connect.
+#[derive(Clone, PartialEq, Eq, Debug)]
+pub struct SocketSettings {
+    /// Path of the socket file.
+    pub path: PathBuf,
+    /// Role of the clients that connect at this socket.
+    pub role: Role,
+    /// Permissions of the socket file (the lowest nine bits); `None` for those that the process gives to new files.
+    pub mode: Option<u32>,
+}
+
+impl SocketSettings {
+    /// Creates a socket for programmers, with the permissions that the process gives to new files.
+    #[must_use]
+    pub fn new(path: PathBuf) -> SocketSettings {
+        SocketSettings {
+            path,
+            role: Role::default(),
+            mode: None,
+        }
+    }
+}
+
+/// Paths of the PEM files with the TLS certificate and the private key of the server.
 #[derive(Clone, PartialEq, Eq, Debug)]
 pub struct TlsFiles {
-    /// Certificate chain: the server's certificate, then the intermediate ones up to an authority that clients trust.
+    /// Path of the certificate chain: the server's certificate, then the intermediate ones up to an authority that
+    /// clients trust.
     pub certificates: PathBuf,
-    /// Private key of the certificate.
+    /// Path of the private key that belongs to the server's certificate.
     pub key: PathBuf,
 }
 
 impl Settings {
-    /// Returns an error if the address is beyond loopback and the token or TLS is missing.
+    /// Returns an error if the server would listen beyond loopback without a token or without TLS, unless this is
+    /// allowed explicitly.
     pub(crate) fn check_protection(&self) -> Result<(), OpenError> {
-        let (no_token, no_tls) = (self.token.is_none(), self.tls.is_none());
+        let (no_token, no_tls) = (self.tokens.is_empty(), self.tls.is_none());
         let local = self.listen.ip().is_loopback();
         match local || self.insecure || !(no_token || no_tls) {
             true => Ok(()),
@@ -97,7 +136,7 @@ impl Settings {
         }
     }
 
-    /// Returns the budget of commands per tick, if it is limited.
+    /// Returns the budget of time per tick for all commands together; `None` if it is not limited.
     pub(crate) fn budget(&self) -> Option<Budget> {
         let share = self.cycle_share?;
         Some(Budget::from_share(
@@ -107,7 +146,7 @@ impl Settings {
         ))
     }
 
-    /// Reads the certificate and key, if they are configured.
+    /// Reads the certificate and key files. Returns `None` if none are configured.
     pub(crate) fn identity(&self) -> Result<Option<TlsIdentity>, OpenError> {
         let read = |files: &TlsFiles| TlsIdentity::read(&files.certificates, &files.key);
         let identity = self.tls.as_ref().map(read).transpose();

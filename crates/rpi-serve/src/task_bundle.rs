@@ -7,33 +7,33 @@ use rpi_driver::{AnalysedNet, Task, TaskPlan};
 use rpi_image::Image;
 use rpi_runtime::run::{ExecutablePlan, PlanError};
 
-/// Images and plan of a task, ready to be loaded by a server.
+/// Images of a task's commands, and the plan that runs them, ready to be loaded by a server.
 #[derive(Clone, PartialEq, Debug)]
 pub struct TaskBundle {
-    /// Images of the commands.
+    /// Images of the commands; the plan refers to them by index.
     pub images: Vec<Arc<Image>>,
-    /// For each image, the compiler's upper bound on the work of its primitives in a cycle, in elementary operations,
-    /// if known.
+    /// For each image, the compiler's upper bound on the work of its primitives in a cycle, in elementary operations;
+    /// `None` if unknown.
     pub work: Vec<Option<u64>>,
-    /// Plan with indices into `images`: the order of the commands.
+    /// Order in which the commands run, with indices into `images`.
     pub plan: ExecutablePlan,
 }
 
-/// Error: a task cannot be run.
+/// Error: a program's task cannot be run.
 #[derive(Clone, PartialEq, Eq, Debug)]
 pub enum TaskBundleError {
-    /// The task has no plan.
+    /// The plan of the task cannot be made.
     InvalidPlan {
         /// Name of the task.
         task: String,
         /// Description of the error.
         reason: String,
     },
-    /// There is no net of this command, because it has parameters without a value.
+    /// No net exists for the command with this name, because the command has parameters without a value.
     NotRunnable(String),
     /// The net of a command cannot be lowered; the text has the reason.
     Lowering(String),
-    /// The plan does not fit the results of a command.
+    /// The plan refers to a result that a command does not have, or to a missing command.
     Plan(PlanError),
 }
 
@@ -63,8 +63,8 @@ impl TaskBundle {
         }
     }
 
-    /// Creates the bundle of `task` from the nets of its program. `lower` returns the image of a net with the bound on
-    /// its work.
+    /// Creates the bundle of `task` from the nets of its program. `lower` returns the image of a net, with the upper
+    /// bound on its work per cycle.
     ///
     /// # Errors
     /// If the task or one of its commands cannot be run.
@@ -93,7 +93,7 @@ impl TaskBundle {
     }
 }
 
-/// Replaces command names in the plan by indices into `used`, and adds new names to it.
+/// Replaces command names in a plan by indices into `used`. Names that are not in `used` are added to it.
 fn with_indices(plan: &TaskPlan, used: &mut Vec<String>) -> ExecutablePlan {
     let nodes = plan.nodes.iter();
     ExecutablePlan {

@@ -3,9 +3,11 @@
 //! It accepts velocities in its own frame: x forwards, rotation counter-clockwise. It rejects velocities that a
 //! differential drive cannot follow. Without set-points it brakes along its current arc.
 
+use crate::bank::CellDevice;
 use crate::cell::BaseSpec;
 use crate::device::{
     Device, PortIndex, PortRow, Report, SlotWriter, find_port, is_actuator, is_in_row, read_port,
+    real_at,
 };
 use crate::error_code::ErrorCode;
 use core::ops::Range;
@@ -13,31 +15,36 @@ use rpi_device::{Discontinuity, PortQuery, Quantity, Rejection, ResolveError};
 use rpi_image::Scalar;
 use rpi_kin::Pose;
 
-/// A mobile base of a simulated cell.
+/// Mobile base with two driven wheels of a simulated cell.
 #[derive(Clone, Debug)]
 pub(crate) struct Base {
     spec: BaseSpec,
     tick: f64,
     time: f64,
-    /// Number of ticks between set-points, followed by the number of ticks until the next one is due.
+    /// Number of ticks between two set-points of the running command.
     set_point_ticks: u32,
+    /// Number of ticks until the next set-point is due.
     ticks_left: u32,
-    /// Pose in the cell: x, y (m), heading (rad).
+    /// Position in the cell: x, y (m), heading (rad).
     position: [f64; 3],
     /// Forward velocity (m/s) and angular velocity (rad/s).
     velocity: [f64; 2],
     staged: Option<[f64; 2]>,
+    /// Number of successive periods without a set-point so far.
+    missed_periods: u32,
     braking: bool,
-    /// Angles of the wheels, left and right, in rad.
+    /// Angles of the left and the right wheel, in rad.
     wheels: [f64; 2],
     code: ErrorCode,
     reports: Vec<Report>,
+    /// Number of reports since the last reading for which there was no room.
+    lost_reports: u64,
 }
 
-/// Capacity for pending reports.
+/// Maximum number of reports that wait until they are read.
 const REPORT_CAPACITY: usize = 16;
 
-/// Velocities below this, in m/s or rad/s, count as zero.
+/// Velocity in m/s or rad/s up to which the base counts as at rest.
 const REST_VELOCITY: f64 = 1e-6;
 
 const PORTS: &[PortRow<Base>] = &[
@@ -52,9 +59,21 @@ const PORTS: &[PortRow<Base>] = &[
     PortRow::sensor("wheel.position", Scalar::Real, Base::put_wheel).indexed(),
     PortRow::sensor("wheel.velocity", Scalar::Real, Base::put_wheel_velocity).indexed(),
     PortRow::actuator("base.velocity", Scalar::Twist),
+    // Ports of the device type `MobileBase` of `.rpi`.
+    PortRow::sensor("pose", Scalar::Pose, |base, _, out| {
+        out.put_pose(&base.pose())
+    }),
+    PortRow::sensor("twist", Scalar::Twist, Base::put_velocity),
+    PortRow::sensor("error", Scalar::Bool, |base, _, out| {
+        out.put_bits(u64::from(base.code != ErrorCode::OK))
+    }),
+    PortRow::sensor("code", Scalar::Int, |base, _, out| {
+        out.put_bits(base.code.0.cast_unsigned())
+    }),
+    PortRow::actuator("velocity", Scalar::Twist),
 ];
 
-/// Descriptions of a base's ports, for the manual.
+/// Returns the descriptions of the ports of a mobile base, for the manual.
 pub(crate) fn ports() -> impl Iterator<Item = crate::device::PortInfo> {
     PORTS.iter().map(|line| line.spec.info())
 }
@@ -70,10 +89,12 @@ impl Base {
             position: spec.position,
             velocity: [0.0; 2],
             staged: None,
+            missed_periods: 0,
             braking: false,
             wheels: [0.0; 2],
             code: ErrorCode::OK,
             reports: Vec::with_capacity(REPORT_CAPACITY),
+            lost_reports: 0,
         }
     }
 
@@ -100,23 +121,23 @@ impl Base {
         out.put_reals(self.wheel_velocities().get(wheel).copied());
     }
 
-    /// Angular velocities of the wheels, left and right, in rad/s.
+    /// Returns the angular velocities of the left and the right wheel, in rad/s.
     fn wheel_velocities(&self) -> [f64; 2] {
         let [forwards, turning] = self.velocity;
         [-0.5, 0.5]
             .map(|side| (forwards + side * self.spec.track * turning) / self.spec.wheel_radius)
     }
 
-    /// True while the base moves. A staged set-point takes precedence over the present velocity.
+    /// True while the base moves. A set-point of this tick takes precedence over the present velocity.
     fn is_moving(&self) -> bool {
         let velocity = self.staged.unwrap_or(self.velocity);
         velocity.iter().any(|part| part.abs() > REST_VELOCITY)
     }
 
-    /// Returns the velocities that a set-point requests. If it is rejected, returns the error code, the value and the
-    /// limit.
+    /// Returns the forward (m/s) and angular velocity (rad/s) that a set-point requests. If it is rejected, returns the
+    /// error code, the value and the violated limit.
     fn check_set_point(&self, value: &[u64]) -> Result<[f64; 2], (ErrorCode, f64, f64)> {
-        let part = |at: usize| value.get(at).map_or(f64::NAN, |bits| f64::from_bits(*bits));
+        let part = |at: usize| real_at(value, at);
         let wanted = [part(0), part(5)];
         let aside = [1, 2, 3, 4]
             .map(part)
@@ -146,7 +167,9 @@ impl Base {
     }
 
     fn set_error(&mut self, code: ErrorCode, value: f64, limit: f64) {
-        if self.code != code && self.reports.len() < REPORT_CAPACITY {
+        if self.code != code && self.reports.len() == REPORT_CAPACITY {
+            self.lost_reports += 1;
+        } else if self.code != code {
             self.reports.push(Report {
                 time: self.time,
                 axis: None,
@@ -158,14 +181,14 @@ impl Base {
         self.code = code;
     }
 
-    /// Applies the staged set-point, continues, or starts braking.
+    /// Applies the set-point of this tick; without one, the base continues or begins to brake.
     fn decide(&mut self) {
         if let Some(velocity) = self.staged.take() {
             (self.velocity, self.ticks_left, self.braking) =
                 (velocity, self.set_point_ticks, false);
+            self.missed_periods = 0;
         } else if self.ticks_left == 0 && self.is_moving() && !self.braking {
-            self.set_error(ErrorCode::SET_POINT_MISSING, 0.0, 0.0);
-            self.braking = true;
+            self.miss_set_point();
         }
         self.ticks_left = self.ticks_left.saturating_sub(1);
         if self.braking {
@@ -173,7 +196,19 @@ impl Base {
         }
     }
 
-    /// Brakes both velocities by the same factor, so that the radius of the arc does not change.
+    /// Continues with the present velocity for a period without a set-point, or begins to brake if the watchdog allows
+    /// no further period.
+    fn miss_set_point(&mut self) {
+        self.missed_periods += 1;
+        if self.missed_periods < self.spec.watchdog {
+            self.ticks_left = self.set_point_ticks;
+            return;
+        }
+        self.set_error(ErrorCode::SET_POINT_MISSING, 0.0, 0.0);
+        self.braking = true;
+    }
+
+    /// Reduces forward and angular velocity by the same factor, so that the radius of the arc does not change.
     fn slow_down(&mut self) {
         let both = self.velocity.iter().zip(self.spec.acceleration);
         let share = both
@@ -186,7 +221,7 @@ impl Base {
         }
     }
 
-    /// Integrates one tick along the arc.
+    /// Moves the base by one tick along its arc.
     fn drive(&mut self) {
         let [forwards, turning] = self.velocity.map(|velocity| velocity * self.tick);
         let half = turning / 2.0;
@@ -208,6 +243,8 @@ impl Base {
     }
 }
 
+impl CellDevice for Base {}
+
 impl Device for Base {
     fn resolve(&self, name: &PortQuery<'_>) -> Result<PortIndex, ResolveError> {
         find_port(PORTS.iter().map(|line| &line.spec), name, |_| 2)
@@ -218,7 +255,7 @@ impl Device for Base {
         is_in_row(line.map(|line| &line.spec), slot, |_| 2)
     }
 
-    fn resources_of(&self, slot: PortIndex) -> Range<u32> {
+    fn resources(&self, slot: PortIndex) -> Range<u32> {
         0..u32::from(is_actuator(PORTS, slot))
     }
 
@@ -240,7 +277,7 @@ impl Device for Base {
         }
     }
 
-    fn jump(&self, _slot: PortIndex, value: &[u64]) -> Option<Discontinuity> {
+    fn discontinuity(&self, _slot: PortIndex, value: &[u64]) -> Option<Discontinuity> {
         let (code, value, limit) = self.check_set_point(value).err()?;
         let quantity = match code {
             ErrorCode::VELOCITY => Quantity::Velocity,
@@ -255,8 +292,8 @@ impl Device for Base {
         })
     }
 
-    fn error(&self, _slot: PortIndex) -> i64 {
-        self.code.0
+    fn port_code(&self, _slot: PortIndex) -> ErrorCode {
+        self.code
     }
 
     fn write(&mut self, slot: PortIndex, value: &[u64]) {
@@ -265,7 +302,7 @@ impl Device for Base {
         }
     }
 
-    fn moving(&self, _resource: u32) -> bool {
+    fn is_moving(&self, _resource: u32) -> bool {
         self.is_moving()
     }
 
@@ -274,7 +311,7 @@ impl Device for Base {
         self.braking = self.is_moving();
     }
 
-    fn begin(&mut self, _resource: u32, ticks: u32) {
+    fn begin_command(&mut self, _resource: u32, ticks: u32) {
         self.set_point_ticks = ticks.max(1);
         self.code = ErrorCode::OK;
     }
@@ -291,6 +328,6 @@ impl Device for Base {
 
     fn reports(&mut self, each: &mut dyn FnMut(Report)) -> u64 {
         self.reports.drain(..).for_each(each);
-        0
+        std::mem::take(&mut self.lost_reports)
     }
 }

@@ -1,108 +1,27 @@
-//! The interface of one simulated device to the device bank.
+//! Port tables of devices: names, kinds and types of ports, and access to them.
 
-use crate::error_code::ErrorCode;
-use crate::fault::ScheduledFault;
-use core::ops::Range;
-use rpi_device::{Discontinuity, PortKind, PortQuery, Rejection, ResolveError};
+pub(crate) use rpi_device::{Device, PortIndex, Report};
+use rpi_device::{PortKind, PortQuery, ResolveError};
 use rpi_image::{Scalar, Type};
 
-/// Port of one device, by its row in the port table of the device and an index within the row.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) struct PortIndex {
-    pub(crate) row: u16,
-    pub(crate) index: u16,
-}
-
-/// The part of [`rpi_device::DeviceBank`] for one device. Resources are numbered from 0 within the device.
-pub(crate) trait Device: Send {
-    /// Finds a port by name, type and index. Fails if the device has no such port, or has it with another type.
-    fn resolve(&self, name: &PortQuery<'_>) -> Result<PortIndex, ResolveError>;
-    /// True if the port exists. The methods below are only called with existing ports.
-    fn has_port(&self, slot: PortIndex) -> bool;
-    /// Resources of an actuator port; empty for other ports.
-    fn resources_of(&self, slot: PortIndex) -> Range<u32>;
-    /// See [`rpi_device::DeviceBank::read`].
-    fn read(&self, slot: PortIndex, value: &mut [u64]) -> bool;
-    /// See [`rpi_device::DeviceBank::check_set_point`].
-    fn check(&mut self, slot: PortIndex, value: &[u64]) -> Rejection;
-    /// See [`rpi_device::DeviceBank::discontinuity`].
-    fn jump(&self, slot: PortIndex, value: &[u64]) -> Option<Discontinuity> {
-        let _ = (slot, value);
-        None
-    }
-    /// See [`rpi_device::DeviceBank::error_code`].
-    fn error(&self, slot: PortIndex) -> i64;
-    /// See [`rpi_device::DeviceBank::write`].
-    fn write(&mut self, slot: PortIndex, value: &[u64]);
-    /// See [`rpi_device::DeviceBank::call`].
-    fn call(&mut self, slot: PortIndex, arguments: &[u64], result: &mut [u64]) -> bool {
-        let _ = (slot, arguments, result);
-        false
-    }
-    /// See [`rpi_device::DeviceBank::is_moving`].
-    fn moving(&self, resource: u32) -> bool {
-        let _ = resource;
-        false
-    }
-    /// See [`rpi_device::DeviceBank::stop`].
-    fn stop(&mut self, resource: u32) {
-        let _ = resource;
-    }
-    /// See [`rpi_device::DeviceBank::begin_command`].
-    fn begin(&mut self, resource: u32, ticks: u32) {
-        let _ = (resource, ticks);
-    }
-    /// Simulates one tick that ends at `time` (s).
-    fn step(&mut self, time: f64);
-    /// Schedules a fault. Returns false if the device does not support it.
-    fn inject(&mut self, fault: ScheduledFault) -> bool {
-        let _ = fault;
-        false
-    }
-    /// Returns the error code that the device has now; 0 for no error.
-    fn code(&self) -> ErrorCode {
-        ErrorCode::OK
-    }
-    /// Passes all new reports to `each`. Returns the number of reports lost for lack of space.
-    fn reports(&mut self, each: &mut dyn FnMut(Report)) -> u64 {
-        let _ = each;
-        0
-    }
-}
-
-/// A report of a device about a rejected set-point or a failure.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Report {
-    /// Simulated time of the report, in s.
-    pub time: f64,
-    /// Axis, from 0; `None` if the report concerns the whole device.
-    pub axis: Option<usize>,
-    /// Code of the reported error.
-    pub code: ErrorCode,
-    /// The rejected value, in SI units; 0 if not applicable.
-    pub value: f64,
-    /// The violated limit, in SI units; 0 if not applicable.
-    pub limit: f64,
-}
-
-/// Type of a port, which may depend on the number of axes or terminals of the device.
+/// Type of the value of a port, which may depend on the number of axes or terminals of the device.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum PortValue {
-    /// One value of this type.
+    /// One value of this scalar type.
     One(Scalar),
-    /// A real for each axis.
+    /// One real for each axis.
     PerAxis,
-    /// A real for each axis and this number of further slots, of any type: the out-ports of a primitive.
+    /// One real for each axis, and this number of further slots of any type: the result of a function.
     PerAxisAnd(u32),
-    /// A value for each terminal, or for the first terminals.
+    /// One value of this type for each terminal, or for the first terminals.
     PerTerminal(Scalar),
-    /// A fixed number of reals: the concatenated in-ports or out-ports of a primitive.
+    /// This number of reals: the concatenated in-ports or out-ports of a primitive (a basic operation of a net).
     Reals(u32),
 }
 
 impl PortValue {
-    /// True if a command can use the port with type `ty`; `size` is the number of axes or terminals. Values composed of
-    /// several ports are compared by size only, because their parts are concatenated whatever their types.
+    /// True if a command can use the port with the type `ty`. `size` is the number of axes or terminals. Values
+    /// composed of several parts are compared by size only, because the parts are concatenated whatever their types.
     pub(crate) fn fits(self, ty: Type, size: usize) -> bool {
         let real = |ty: Type| match ty {
             Type::Scalar(scalar) | Type::Array(scalar, _) => {
@@ -122,7 +41,7 @@ impl PortValue {
     }
 }
 
-/// Name, kind and type of a port: the columns that all port tables have.
+/// Name, kind and type of a port: the columns that the port tables of all devices have.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct PortSpec {
     pub(crate) name: &'static str,
@@ -137,12 +56,14 @@ pub(crate) struct PortSpec {
 pub struct PortInfo {
     /// Name of the port.
     pub name: &'static str,
-    /// Use of the port.
+    /// Kind of the port: commands read a sensor, write an actuator and call a function.
     pub kind: PortKind,
-    /// Type of the port: `real`, `Pose`, `real^n` with n the number of axes.
+    /// Type of the value of the port, such as `real`, `Pose` or `real^n`, with n the number of axes.
     pub ty: String,
     /// True if there is one port for each axis or terminal.
     pub indexed: bool,
+    /// Meaning of the value with its unit; empty for ports that are explained elsewhere in the manual.
+    pub meaning: &'static str,
 }
 
 impl PortSpec {
@@ -159,11 +80,16 @@ impl PortSpec {
             kind: self.kind,
             ty: carries,
             indexed: self.indexed,
+            meaning: "",
         }
     }
 }
 
-/// Finds a port in a table. `size` returns the number of axes or terminals of a row.
+/// Finds the port with this name, kind and type in a port table. `size` returns the number of axes or terminals for a
+/// row.
+///
+/// # Errors
+/// Returns the reason if the table has no such port.
 pub(crate) fn find_port<'a>(
     table: impl Iterator<Item = &'a PortSpec>,
     name: &PortQuery<'_>,
@@ -193,7 +119,8 @@ pub(crate) fn find_port<'a>(
     Err(error)
 }
 
-/// True if a port is within its table row; `size` returns the number of axes or terminals of a row.
+/// True if the index of a port is valid in its row `head` of the port table. `size` returns the number of axes or
+/// terminals for a row. False if there is no row.
 pub(crate) fn is_in_row(
     head: Option<&PortSpec>,
     slot: PortIndex,
@@ -238,9 +165,15 @@ impl<'a> SlotWriter<'a> {
     }
 }
 
-/// Reads a pose from seven memory slots: position, then quaternion as x, y, z, w. Missing slots read as NaN.
-pub(crate) fn pose_from(cells: &[u64]) -> rpi_kin::Pose {
-    let part = |at: usize| cells.get(at).map_or(f64::NAN, |bits| f64::from_bits(*bits));
+/// Reads a real from the slot with index `at`; NaN if the slot is missing, so that no missing value is accepted as a
+/// set-point.
+pub(crate) fn real_at(slots: &[u64], at: usize) -> f64 {
+    slots.get(at).map_or(f64::NAN, |bits| f64::from_bits(*bits))
+}
+
+/// Reads a pose from seven slots: position (m), then quaternion as x, y, z, w. Missing slots read as NaN.
+pub(crate) fn pose_from(slots: &[u64]) -> rpi_kin::Pose {
+    let part = |at: usize| real_at(slots, at);
     let quaternion = nalgebra::Quaternion::new(part(6), part(3), part(4), part(5));
     rpi_kin::Pose::from_parts(
         nalgebra::Translation3::new(part(0), part(1), part(2)),
@@ -248,7 +181,8 @@ pub(crate) fn pose_from(cells: &[u64]) -> rpi_kin::Pose {
     )
 }
 
-/// Splits a port name that contains a number: `joint3.measured_torque` is `joint.measured_torque` with index 2.
+/// Splits a port name that contains a number into name and index: `joint3.measured_torque` is `joint.measured_torque`
+/// with index 2. `None` for other names.
 pub(crate) fn split_numbered_name(port: &str) -> Option<(&'static str, u32)> {
     const NUMBERED: &[(&str, &str)] = &[
         ("measured_torque", "joint.measured_torque"),
@@ -263,15 +197,17 @@ pub(crate) fn split_numbered_name(port: &str) -> Option<(&'static str, u32)> {
     Some((name, number.checked_sub(1)?))
 }
 
-/// Row of the port table of a small device, which has sensors and a single actuator.
+/// Row of the port table of a device `D`: a port that is a sensor or an actuator.
 pub(crate) struct PortRow<D: 'static> {
     pub(crate) spec: PortSpec,
-    /// Reads a sensor; `None` for the actuator.
+    /// Function that reads the sensor into slots, for the index of the port; `None` for an actuator.
     read: Option<fn(&D, usize, &mut SlotWriter<'_>)>,
+    /// Meaning of the value with its unit, for the manual.
+    pub(crate) meaning: &'static str,
 }
 
 impl<D> PortRow<D> {
-    /// A row for a sensor.
+    /// Creates a row for a sensor whose value the function `read` writes.
     pub(crate) const fn sensor(
         name: &'static str,
         scalar: Scalar,
@@ -286,10 +222,11 @@ impl<D> PortRow<D> {
         Self {
             spec: head,
             read: Some(read),
+            meaning: "",
         }
     }
 
-    /// A row for an actuator.
+    /// Creates a row for an actuator.
     pub(crate) const fn actuator(name: &'static str, scalar: Scalar) -> Self {
         let head = PortSpec {
             name,
@@ -300,10 +237,16 @@ impl<D> PortRow<D> {
         Self {
             spec: head,
             read: None,
+            meaning: "",
         }
     }
 
-    /// The same row, with one port for each index.
+    /// Returns this row with the meaning of the port for the manual.
+    pub(crate) const fn means(self, meaning: &'static str) -> Self {
+        Self { meaning, ..self }
+    }
+
+    /// Returns this row for a port that exists once for each index, such as `input[3]`.
     pub(crate) const fn indexed(self) -> Self {
         Self {
             spec: PortSpec {
@@ -315,7 +258,7 @@ impl<D> PortRow<D> {
     }
 }
 
-/// Reads a port of a small device into `value`; false if the port is not a sensor.
+/// Reads the sensor with the address `slot` of a device into `value`, as slots; false if there is no such sensor.
 pub(crate) fn read_port<D>(
     table: &[PortRow<D>],
     device: &D,
@@ -327,7 +270,7 @@ pub(crate) fn read_port<D>(
         .is_some()
 }
 
-/// True if a port of a small device is an actuator.
+/// True if the port with the address `slot` is an actuator.
 pub(crate) fn is_actuator<D>(table: &[PortRow<D>], slot: PortIndex) -> bool {
     table
         .get(usize::from(slot.row))

@@ -2,38 +2,38 @@
 
 use nalgebra::Vector6;
 
-/// Fault to be simulated, with the time in which it is active.
+/// Simulated fault of a device, with the time in which it is active.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ScheduledFault {
-    /// Start time, in s of the cell's time.
+    /// Start of the fault, in s of simulated time.
     pub from: f64,
-    /// End time, in s of the cell's time; infinity for a permanent fault.
+    /// End of the fault, in s of simulated time; infinity for a permanent fault.
     pub until: f64,
-    /// What fails, such as a joint or the transmission of samples.
+    /// Kind of the fault, such as a failed joint or lost samples.
     pub kind: FaultKind,
 }
 
 /// Kind of a simulated fault.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum FaultKind {
-    /// One axis (from 0) fails: it rejects set-points and the arm brakes.
+    /// The axis with this index, counted from 0, fails: it rejects set-points and the arm brakes.
     JointFailure(usize),
     /// The emergency stop is pressed: the arm brakes and rejects all set-points.
     EmergencyStop,
     /// The device delivers no samples: its sensors are absent.
     LostSamples,
-    /// Set-points do not reach the device: they are lost.
+    /// Set-points that the control core sends do not reach the device.
     LostSetPoints,
-    /// Samples are delayed by this many seconds.
+    /// Samples of the sensors are delayed by this many additional seconds.
     Latency(f64),
-    /// Additional noise of measured joint positions: standard deviation in rad.
+    /// Measured joint positions have additional noise with this standard deviation, in rad.
     Noise(f64),
-    /// A contact at the tool: force (N), then torque (N m), in base coordinates.
+    /// The tool touches something: force (N), then torque (N m) at the tool, in the base frame.
     Contact(Vector6<f64>),
 }
 
 impl ScheduledFault {
-    /// True if the fault is active at `time`, in s.
+    /// True if the fault is active at the simulated time `time`, in s.
     #[must_use]
     pub fn is_active(&self, time: f64) -> bool {
         time >= self.from && time < self.until

@@ -1,12 +1,14 @@
 //! Terminals with digital and analogue inputs and outputs.
 
+use crate::bank::CellDevice;
 use crate::cell::{InputChange, IoSpec, TerminalSpec};
 use crate::device::{Device, PortIndex, PortSpec, PortValue, find_port, is_in_row};
+use crate::error_code::ErrorCode;
 use core::ops::Range;
 use rpi_device::{PortKind, PortQuery, Rejection, ResolveError};
 use rpi_image::Scalar;
 
-/// Terminal block of a simulated cell: digital inputs and outputs, then analogue ones.
+/// Terminal block of a simulated cell: a bank of digital inputs and outputs, then a bank of analogue ones.
 #[derive(Clone, Debug)]
 pub(crate) struct IoDevice {
     banks: [TerminalBank; 2],
@@ -29,7 +31,8 @@ struct PortRow {
     output: bool,
 }
 
-/// A row for a single terminal, selected by the index.
+/// Creates a row for a port that is a single terminal, selected by its index. `bank` is 0 for digital and 1 for
+/// analogue terminals.
 const fn terminal_row(
     name: &'static str,
     kind: PortKind,
@@ -50,7 +53,8 @@ const fn terminal_row(
     }
 }
 
-/// A row for all terminals.
+/// Creates a row for a port that consists of all inputs or all outputs. `bank` is 0 for digital and 1 for analogue
+/// terminals.
 const fn bank_row(
     name: &'static str,
     kind: PortKind,
@@ -90,7 +94,7 @@ const PORTS: &[PortRow] = &[
     terminal_row("set", PortKind::Actuator, Scalar::Real, 1, true),
 ];
 
-/// Descriptions of a terminal block's ports, for the manual.
+/// Returns the descriptions of the ports of a terminal block, for the manual.
 pub(crate) fn ports() -> impl Iterator<Item = crate::device::PortInfo> {
     PORTS.iter().map(|line| line.spec.info())
 }
@@ -130,7 +134,8 @@ impl TerminalBank {
         }
     }
 
-    /// Sets the inputs as scripted for `time` (s). The result depends on the time only, not on earlier calls.
+    /// Sets the inputs to their scripted values at the simulated time `time` (s). The result depends on the time only,
+    /// not on earlier calls.
     fn step(&mut self, time: f64) {
         let since = if self.repeat.is_finite() && self.repeat > 0.0 {
             time % self.repeat
@@ -148,13 +153,14 @@ impl TerminalBank {
 }
 
 impl IoDevice {
-    /// Number of terminals of a table row.
+    /// Returns the number of terminals to which the row with index `line` of the port table refers.
     fn size(&self, line: usize) -> usize {
         let line = &PORTS[line];
         self.banks[line.bank].values(line.output).len()
     }
 
-    /// The terminals of a port: all of its bank, or one if the port is indexed.
+    /// Returns the row of the port table for a port, and the range of its terminals: all of its bank, or one if the
+    /// port is indexed. `None` if there are no such terminals.
     fn terminals(&self, slot: PortIndex) -> Option<(&'static PortRow, Range<usize>)> {
         let line = PORTS.get(usize::from(slot.row))?;
         let count = self.banks[line.bank].values(line.output).len();
@@ -163,6 +169,8 @@ impl IoDevice {
         (end <= count).then_some((line, first..end))
     }
 }
+
+impl CellDevice for IoDevice {}
 
 impl Device for IoDevice {
     fn resolve(&self, name: &PortQuery<'_>) -> Result<PortIndex, ResolveError> {
@@ -176,7 +184,7 @@ impl Device for IoDevice {
         is_in_row(line.map(|line| &line.spec), slot, |line| self.size(line))
     }
 
-    fn resources_of(&self, slot: PortIndex) -> Range<u32> {
+    fn resources(&self, slot: PortIndex) -> Range<u32> {
         let terminals = self.terminals(slot);
         let Some((line, own)) = terminals.filter(|(line, _)| line.spec.kind == PortKind::Actuator)
         else {
@@ -211,8 +219,8 @@ impl Device for IoDevice {
         }
     }
 
-    fn error(&self, _slot: PortIndex) -> i64 {
-        0
+    fn port_code(&self, _slot: PortIndex) -> ErrorCode {
+        ErrorCode::OK
     }
 
     fn write(&mut self, slot: PortIndex, value: &[u64]) {

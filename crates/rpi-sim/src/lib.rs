@@ -9,26 +9,19 @@
 
 pub mod arm;
 pub mod cell;
-pub mod error_code;
 
 mod bank;
 mod base;
 mod device;
 mod fault;
-mod force;
-mod gripper;
 mod io;
+mod kinds;
 mod noise;
+pub mod udp;
 
-pub use bank::{DeviceStatus, MAX_DEVICES, NamedDevice, SimBank};
-pub use cell::{Cell, CellError, CellErrors};
-pub use device::{PortInfo, Report};
+pub use bank::{DeviceStatus, MAX_DEVICES, NamedDevice, OpenError, SimBank};
+pub use cell::{Cell, CellError, CellErrors, robot};
+pub use device::PortInfo;
 pub use fault::{FaultKind, ScheduledFault};
-
-/// Port descriptions of all device types, for the manual.
-#[must_use]
-pub fn ports() -> Vec<PortInfo> {
-    let arms = arm::ports().chain(io::ports());
-    let others = base::ports().chain(gripper::ports()).chain(force::ports());
-    arms.chain(others).collect()
-}
+pub use kinds::{KeyInfo, Settings, SmallKind, SmallSpec};
+pub use rpi_device::{Report, error_code};

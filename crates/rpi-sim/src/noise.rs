@@ -2,12 +2,12 @@
 
 use core::f64::consts::TAU;
 
-/// A pseudo-random number generator: SplitMix64 (Steele, Lea, Flood 2014).
+/// Pseudo-random number generator: SplitMix64 (Steele, Lea, Flood 2014).
 #[derive(Clone, Debug)]
 pub(crate) struct Noise(u64);
 
 impl Noise {
-    /// The generator of one device of a cell.
+    /// Creates the generator for the device with index `device` of a cell with the seed `seed`.
     pub(crate) fn new(seed: u64, device: usize) -> Self {
         Self(seed ^ (device as u64).wrapping_mul(0xd1b5_4a32_d192_ed03))
     }
@@ -21,12 +21,12 @@ impl Noise {
     }
 
     /// Returns a random number that is uniformly distributed in (0, 1].
-    fn uniform(&mut self) -> f64 {
+    pub(crate) fn uniform(&mut self) -> f64 {
         ((self.next_bits() >> 11) + 1) as f64 / (1_u64 << 53) as f64
     }
 
-    /// Returns a random number that is normally distributed with mean 0 and this standard deviation (Box and Muller
-    /// 1958). With deviation 0 the generator does not advance.
+    /// Returns a random number that is normally distributed with mean 0 and the standard deviation `deviation` (Box and
+    /// Muller 1958). With the deviation 0, the result is 0 and the generator does not advance.
     pub(crate) fn normal(&mut self, deviation: f64) -> f64 {
         if deviation == 0.0 {
             return 0.0;

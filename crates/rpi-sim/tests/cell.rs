@@ -149,7 +149,7 @@ cell.toml:4:1: unknown key `joint`
 cell.toml:6:8: unknown value \"leg\" for `kind`
  6 | kind = \"leg\"
    |        ^^^^^
-   = expected one of arm, digital-io, analogue-io, io, linear-unit, base, gripper, force-torque
+   = expected one of arm, udp-arm, digital-io, analogue-io, io, linear-unit, positioner, base, gripper, force-torque, light-barrier, conveyor, spindle
 ";
     assert_eq!(faults(text), expected);
 }
@@ -179,27 +179,27 @@ const BROKEN: &[(&str, &str)] = &[
     ),
     (
         "[devices.a]\nkind = \"arm\"\nmodel = \"kuka-lwr4+\"\njoints = [0, 0, \"3 mm\", 0, 0, 0, 0]",
-        "4:17: `joints` is not a valid number",
+        "4:17: `joints[2]` is not a valid number",
     ),
     (
         "[devices.a]\nkind = \"arm\"\nmodel = \"kuka-lwr4+\"\njoints = [0, 0, nan, 0, 0, 0, 0]",
-        "4:17: `joints` is not a finite number",
+        "4:17: `joints[2]` is not a finite number",
     ),
     (
         "[devices.a]\nkind = \"arm\"\nmodel = \"kuka-lwr4+\"\njoints = [0, 2.5, 0, 0, 0, 0, 0]",
-        "4:10: initial position 2.5 of joint 1 is out of range",
+        "4:14: initial position 2.5 rad of joint 1 is out of range",
     ),
     (
         "[devices.a]\nkind = \"arm\"\nmodel = \"kuka-lwr4+\"\nlag = -1",
-        "4:7: `lag` is negative",
+        "4:7: `lag` is -1 s, expected 0 s or more",
     ),
     (
         "[devices.a]\nkind = \"arm\"\nmodel = \"kuka-lwr4+\"\nenforce = [\"speed\"]",
-        "4:12: unknown value \"speed\" for `enforce`",
+        "4:12: unknown value \"speed\" for `enforce[0]`",
     ),
     (
         "[devices.a]\nkind = \"arm\"\nmodel = \"kuka-lwr4+\"\nlimits = { velocity = 0 }",
-        "4:23: axis 0 has a velocity limit that is not positive",
+        "4:23: velocity limit of axis 0 is 0 rad/s, expected more than 0 rad/s",
     ),
     (
         "[devices.a]\nkind = \"arm\"\nmodel = \"kuka-lwr4+\"\ntool = { quaternion = [1, 1, 0, 0] }",
@@ -219,11 +219,11 @@ const BROKEN: &[(&str, &str)] = &[
     ),
     (
         "[devices.a]\nkind = \"digital-io\"\ninputs = [1]",
-        "3:10: expected a number of ports or a list of Booleans for `inputs`",
+        "3:11: expected true or false for `inputs[0]`, found integer",
     ),
     (
         "[devices.a]\nkind = \"analogue-io\"\ninputs = [true]",
-        "3:11: expected a number for `inputs`, found boolean",
+        "3:11: expected a number for `inputs[0]`, found boolean",
     ),
     (
         "[devices.a]\nkind = \"digital-io\"\ninputs = 1\nscript = [{ at = 0, input = 1, value = true }]",
@@ -235,7 +235,7 @@ const BROKEN: &[(&str, &str)] = &[
     ),
     (
         "[devices.a]\nkind = \"digital-io\"\ninputs = 1\nrepeat = 1\nscript = [{ at = 1, input = 0, value = true }]",
-        "4:10: `repeat` must be later than the last change of the script",
+        "4:10: `repeat` is 1 s, expected more than 1 s",
     ),
 ];
 
@@ -246,6 +246,73 @@ fn each_fault_has_its_place_and_its_words() {
         assert!(
             errors.contains(&format!("cell.toml:{expected}")),
             "{text}\n--- expected {expected}, got\n{errors}"
+        );
+    }
+}
+
+/// Invalid descriptions of an arm, each with a part of the expected message and the expected help.
+const BROKEN_WITH_HELP: &[(&str, &str, &str)] = &[
+    (
+        "joints = [0, 0]",
+        "4:10: `joints` has 2 entries, expected 7",
+        "expected a number in rad, or a string with one of the units rad, deg",
+    ),
+    (
+        "joints = [0, 0, \"3 mm\", 0, 0, 0, 0]",
+        "4:17: `joints[2]` is not a valid number",
+        "expected one of the units rad, deg",
+    ),
+    (
+        "joints = [0, 2.5, 0, 0, 0, 0, 0]",
+        "4:14: initial position 2.5 rad of joint 1",
+        "the range is -2.0944 to 2.0944 rad",
+    ),
+    (
+        "limits = { lower = [1, 1, 1, 1, 1, 1, 1], upper = 0 }",
+        "4:51: axis 0 has an empty range: 1 to 0 rad",
+        "`lower` must be less than `upper`",
+    ),
+    (
+        "watchdog = 0",
+        "4:12: `watchdog` is 0, out of range",
+        "the range is 1 to 1000 periods",
+    ),
+    (
+        "watchdog = 1.5",
+        "4:12: expected an integer for `watchdog`, found float",
+        "the range is 1 to 1000 periods",
+    ),
+    (
+        "faults = [{ trouble = \"noise\" }]",
+        "4:11: `deviation` is missing",
+        "expected an angle in rad",
+    ),
+    (
+        "faults = [{ at = 1 }]",
+        "4:11: `trouble` is missing",
+        "expected one of joint-failure, emergency-stop",
+    ),
+    (
+        "tool = { position = [0, 0] }",
+        "4:21: `position` has 2 entries, expected 3",
+        "expected a number in m, or a string with one of the units m, cm, mm, um",
+    ),
+    (
+        "jionts = [0]",
+        "4:1: unknown key `jionts`",
+        "did you mean `joints`?",
+    ),
+];
+
+#[test]
+fn each_fault_states_what_is_expected() {
+    for (line, message, help) in BROKEN_WITH_HELP {
+        let text = format!("[devices.a]\nkind = \"arm\"\nmodel = \"kuka-lwr4+\"\n{line}");
+        let errors = faults(&text);
+        let expected = format!("cell.toml:{message}");
+        assert!(
+            errors.contains(&expected) && errors.contains(help),
+            "{line}\n--- expected {message}, {help}, got\n{errors}"
         );
     }
 }

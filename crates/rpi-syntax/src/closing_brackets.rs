@@ -3,7 +3,7 @@
 use crate::lexer::Lexeme;
 use crate::token::Token;
 
-/// Splits the `>>` of `any@<set<int>>` into two `>`, as each closes a list of types opened by `<`.
+/// Splits each `>>` that closes two nested lists of types, as in `any@<set<int>>`, into two tokens `>`.
 pub(crate) fn split_closing(lexemes: &mut Vec<Lexeme>) {
     let mut open: Vec<Token> = Vec::new();
     let mut parted = Vec::new();
@@ -46,21 +46,22 @@ pub(crate) fn split_closing(lexemes: &mut Vec<Lexeme>) {
     }
 }
 
-/// Returns whether a `>` follows directly: the `>>>` of `any<<type set<int>>>`.
+/// Returns whether a `>` follows the token `at` directly, so that both form the `>>>` of `any<<type set<int>>>`.
 fn is_triple_closing(lexemes: &[Lexeme], at: usize) -> bool {
     let next = lexemes.get(at + 1);
     next.is_some_and(|next| next.token == Token::Gt && next.start == lexemes[at].end)
 }
 
-/// Turns the tokens `>>` and `>` at `at` into `>` and `>>`, where the first `>` closes a list of types.
+/// Replaces the adjacent tokens `>>` and `>` at index `at` by `>` and `>>`, so that the `>` closes a list of types and
+/// the `>>` a list of static arguments.
 fn shift_closing(lexemes: &mut [Lexeme], at: usize) {
     let middle = lexemes[at].start + 1;
     (lexemes[at].token, lexemes[at].end) = (Token::Gt, middle);
     (lexemes[at + 1].token, lexemes[at + 1].start) = (Token::RStatic, middle);
 }
 
-/// Returns whether the `<` opens a list of types: after `@`, after a name in the place of a type, or inside such a
-/// list.
+/// Returns whether the `<` at index `at` opens a list of types instead of being a comparison: after `@`, after a name
+/// in the place of a type, or inside such a list. `open` is the innermost open bracket.
 fn opens_type_list(lexemes: &[Lexeme], at: usize, open: Option<&Token>) -> bool {
     use Token::{At, Colon, Comma, Gt, Ident, LStatic, Lt, Semi, Type};
     let token = |back: usize| at.checked_sub(back).map(|at| lexemes[at].token);

@@ -6,17 +6,17 @@ use rpi_diag::Span;
 /// Syntax of a comment, which decides whether it ends with its line and whether it is documentation.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub enum CommentKind {
-    /// `-- remark`
+    /// Comment up to the end of its line: `-- remark`
     Line,
-    /// `--| text`: documentation of the next declaration
+    /// Documentation of the next declaration: `--| text`
     Doc,
-    /// `--%MAIN`: pragma for other tools
+    /// Pragma for other tools: `--%MAIN`
     Pragma,
-    /// `--%PROPERTY x;`: Kind 2 property that is not parsed
+    /// Property of Kind 2 that the parser does not read as a statement: `--%PROPERTY x;`
     Property,
-    /// `(* remark *)`, `/* remark */`
+    /// Comment with an end marker: `(* remark *)`, `/* remark */`
     Block,
-    /// `(*@contract ... *)`: Kind 2 contract that is not parsed
+    /// Contract of Kind 2 that the parser does not read as a contract: `(*@contract ... *)`
     Contract,
 }
 
@@ -25,26 +25,27 @@ pub enum CommentKind {
 pub struct Comment {
     /// Syntax in which the comment is written.
     pub kind: CommentKind,
-    /// Source range, comment markers included.
+    /// Source range of the comment, comment markers included.
     pub span: Span,
 }
 
 /// Comments of a source file in text order.
 #[derive(Clone, PartialEq, Eq, Debug, Default)]
 pub struct Comments {
-    /// Comments in text order.
+    /// All comments in text order.
     pub all: Vec<Comment>,
 }
 
 impl Comments {
-    /// Returns whether any comment is documentation.
+    /// Returns whether the file has any doc comment (`--|`).
     pub(crate) fn has_docs(&self) -> bool {
         self.all.iter().any(|c| c.kind == CommentKind::Doc)
     }
 
-    /// Returns the text of the doc comments directly before the byte offset `start`, lines joined by `\n`.
+    /// Returns the text of the doc comments directly before the byte offset `start`, lines joined by `\n`; `None` if
+    /// there are none.
     ///
-    /// At most one line break may lie between two of them, and between the last one and `start`.
+    /// At most one line break may lie between two of these comments, and between the last one and `start`.
     pub(crate) fn doc_before(&self, text: &str, start: u32) -> Option<Doc> {
         let end = self.all.partition_point(|c| c.span.start < start);
         let mut next = start;
@@ -74,7 +75,8 @@ fn is_single_line_break(gap: &str) -> bool {
     gap.trim().is_empty() && gap.matches('\n').count() <= 1
 }
 
-/// Returns the text after `--|`, without the leading space.
+/// Returns the text of a doc comment after its marker `--|`, without one leading space. `span` is the place of the
+/// comment in the file.
 fn doc_line(text: &str, span: Span) -> &str {
     let line = &text[span.start as usize + 3..span.end as usize];
     line.strip_prefix(' ').unwrap_or(line).trim_end()

@@ -11,10 +11,11 @@ use rpi_diag::{Code, Diagnostic, FileId, Span};
 use std::cell::{Cell, RefCell};
 use std::collections::BTreeMap;
 
-/// Maximum number of errors per file with recovery. Beyond it, only the first error of each declaration is reported.
+/// Maximum number of syntax errors per file after which parsing continues with the same declaration. Further
+/// declarations report only their first error.
 const MAX_RECOVERIES: usize = 10_000;
 
-/// Text that is being parsed, with the diagnostics found so far.
+/// Text that is being parsed, with the diagnostics collected so far.
 pub(crate) struct ParseContext<'t> {
     pub(crate) file: FileId,
     pub(crate) text: &'t str,
@@ -23,15 +24,15 @@ pub(crate) struct ParseContext<'t> {
     pub(crate) guessed_names: GuessedNames<'t>,
     comments: &'t Comments,
     lexemes: &'t [Lexeme],
-    /// Text that replaces a literal of another language, by its byte range.
+    /// RPI text of literals in the notation of another language, by the byte range of the literal.
     replaced_text: &'t BTreeMap<(u32, u32), String>,
     has_docs: bool,
     diagnostics: RefCell<Vec<Diagnostic>>,
-    /// Number of further syntax errors in the file after which parsing continues.
+    /// Number of syntax errors that parsing may still recover from in this file.
     recoveries_left: Cell<usize>,
-    /// Statements of other languages that have been reported. Foreign operators inside them are not reported again.
+    /// Source ranges of reported statements of other languages. Foreign operators inside them are not reported again.
     foreign_statements: RefCell<Vec<Span>>,
-    /// Names that a phrase with a syntax error seems to define, by its start offset.
+    /// Names that a statement or declaration with a syntax error seems to define, by its start offset in bytes.
     error_names: RefCell<BTreeMap<u32, Vec<Ident>>>,
 }
 
@@ -78,21 +79,23 @@ impl<'t> ParseContext<'t> {
             .unwrap_or_default()
     }
 
-    /// Returns the indentation of the line that contains the byte offset.
+    /// Returns the spaces and tabs at the start of the line that contains the byte offset `at`.
     pub(crate) fn indent_of_line(&self, at: u32) -> &'t str {
         let before = self.slice(0, at);
         let line = &self.text[before.rfind('\n').map_or(0, |end| end + 1)..];
         &line[..line.len() - line.trim_start_matches([' ', '\t']).len()]
     }
 
-    /// Returns the indentation in bytes if the offset is at the first token of its line.
+    /// Returns the indentation in bytes of the token at byte offset `at`; `None` if it is not the first token of its
+    /// line.
     pub(crate) fn indent(&self, at: u32) -> Option<usize> {
         let before = self.slice(0, at);
         let rest = before.trim_end_matches([' ', '\t']);
         (rest.is_empty() || rest.ends_with('\n')).then_some(before.len() - rest.len())
     }
 
-    /// Returns the name or number at a byte range. A literal of another language is replaced by its RPI form.
+    /// Returns the name or number at a byte range. For a literal in the notation of another language, returns its RPI
+    /// form.
     pub(crate) fn name(&self, start: u32, end: u32) -> Name {
         let other = match self.replaced_text.is_empty() {
             true => None,
@@ -109,7 +112,7 @@ impl<'t> ParseContext<'t> {
         }
     }
 
-    /// Interns a text that does not occur verbatim in the source.
+    /// Returns an interned name for a text that does not occur verbatim in the source.
     pub(crate) fn intern(&self, text: &str) -> Name {
         self.names.intern(text)
     }
@@ -119,7 +122,7 @@ impl<'t> ParseContext<'t> {
         self.comments.between(start, end)
     }
 
-    /// Returns the doc comment directly before the byte offset `start`.
+    /// Returns the text of the doc comment directly before the byte offset `start`; `None` if there is none.
     pub(crate) fn doc(&self, start: u32) -> Option<Doc> {
         match self.has_docs {
             true => self.comments.doc_before(self.text, start),
@@ -131,37 +134,37 @@ impl<'t> ParseContext<'t> {
         self.diagnostics.borrow_mut().push(diagnostic);
     }
 
-    /// Returns the diagnostics so far and clears them.
+    /// Returns the diagnostics collected so far and removes them.
     pub(crate) fn take_diagnostics(&self) -> Vec<Diagnostic> {
         self.diagnostics.take()
     }
 
-    /// Returns whether recovery from one more error is allowed, and counts it. Each recovery parses a declaration
-    /// again.
+    /// Returns whether parsing may recover from one more syntax error of the file, and counts the error. Each recovery
+    /// parses a declaration again.
     pub(crate) fn may_recover(&self) -> bool {
         let left = self.recoveries_left.get().checked_sub(1);
         self.recoveries_left.set(left.unwrap_or(0));
         left.is_some()
     }
 
-    /// Suppresses diagnostics about foreign operators in a statement of another language.
+    /// Suppresses diagnostics about foreign operators within `statement`, a reported statement of another language.
     pub(crate) fn suppress_foreign_operators(&self, statement: Span) {
         self.foreign_statements.borrow_mut().push(statement);
     }
 
-    /// Returns the statements of other languages that have been reported, in text order.
+    /// Returns the source ranges of the reported statements of other languages, in text order.
     pub(crate) fn into_foreign_statements(self) -> Vec<Span> {
         let mut foreign = self.foreign_statements.into_inner();
         foreign.sort_unstable_by_key(|statement| statement.start);
         foreign
     }
 
-    /// Records the names that the phrase with a syntax error at `start` seems to define.
+    /// Records the names that the statement or declaration with a syntax error at byte offset `start` seems to define.
     pub(crate) fn set_error_names(&self, start: u32, names: Vec<Ident>) {
         self.error_names.borrow_mut().insert(start, names);
     }
 
-    /// Returns the names that the phrase with a syntax error at `start` seems to define.
+    /// Returns the names that the statement or declaration with a syntax error at byte offset `start` seems to define.
     pub(crate) fn error_names(&self, start: u32) -> Vec<Ident> {
         self.error_names
             .borrow()
@@ -170,8 +173,9 @@ impl<'t> ParseContext<'t> {
             .unwrap_or_default()
     }
 
-    /// Reports chained comparisons: `a < b < c`. `middle` is the operand between them if both may be meant. Further
-    /// comparisons of the same chain extend the diagnostic.
+    /// Reports chained comparisons: `a < b < c`. `signs` are the places of the operators. `middle` is the place of the
+    /// operand between them if both comparisons may be meant. Further comparisons of the same chain extend the
+    /// diagnostic.
     pub(crate) fn report_chained_comparison(&self, signs: [Span; 2], middle: Option<Span>) {
         let text = middle.map(|span| (span, self.slice(span.start, span.end)));
         let mut diagnostics = self.diagnostics.borrow_mut();
@@ -186,7 +190,8 @@ impl<'t> ParseContext<'t> {
         }
     }
 
-    /// Warns about `-x ** y` in RPI files. `base` is the negated operand, `power` the exponent.
+    /// Warns about `-x ** y` in RPI files, where the sign binds more strongly than the power. `base` is the place of
+    /// `-x`, `power` that of the exponent.
     pub(crate) fn warn_sign_before_power(&self, base: Span, power: Span) {
         if self.dialect == Dialect::Rpi {
             let text = self.slice(base.start, power.end);
@@ -194,7 +199,8 @@ impl<'t> ParseContext<'t> {
         }
     }
 
-    /// Warns about `x when c` as an operand in Lustre files: Kind 2 parses it differently.
+    /// Warns about `x when c` as an operand in Lustre files, which Kind 2 parses differently. `part` is the place of
+    /// the sampled expression.
     pub(crate) fn warn_sampled_operand(&self, part: Span) {
         if self.dialect == Dialect::Lustre {
             self.report(validation::when_precedence(part));

@@ -5,7 +5,7 @@
 
 use crate::token::Token;
 
-/// Grammar names of the tokens without a fixed spelling, with their descriptions.
+/// Tokens without a fixed spelling: name in the grammar, token, and description in messages.
 const TOKEN_CLASSES: &[(&str, Token, &str)] = &[
     ("NAME", Token::Ident, "a name"),
     ("PATH", Token::Path, "a qualified name"),
@@ -17,7 +17,7 @@ const TOKEN_CLASSES: &[(&str, Token, &str)] = &[
     ("BROKEN", Token::Broken, ""),
 ];
 
-/// Returns the token with this name in the grammar: `"let"` or `NAME`.
+/// Returns the token with a name as used in the grammar, such as `"let"` or `NAME`; `None` for an unknown name.
 pub(crate) fn token_from_grammar_name(name: &str) -> Option<Token> {
     match name.starts_with('"') {
         true => Token::from_spelling(name.trim_matches('"')),
@@ -28,19 +28,19 @@ pub(crate) fn token_from_grammar_name(name: &str) -> Option<Token> {
     }
 }
 
-/// Set of tokens that a message about expected tokens replaces by one term.
+/// Set of tokens that messages about expected tokens replace by one term, such as "an expression".
 struct TokenGroup {
     term: &'static str,
-    /// The group applies if all of these tokens are expected.
+    /// Tokens that must all be expected so that the term applies.
     required: &'static [Token],
-    /// Tokens that the term then replaces.
+    /// Expected tokens that the term of the group replaces in messages.
     covered: &'static [Token],
 }
 
 use Token::*;
 
-/// Token sets that messages replace by a term, larger sets first: the first tokens of an expression include those of a
-/// name.
+/// Groups of tokens that messages replace by one term. Larger groups come first, as the first tokens of an expression
+/// include those of a name.
 const GROUPS: &[TokenGroup] = &[
     TokenGroup {
         term: "an argument",
@@ -127,7 +127,7 @@ const RARELY_MISSING: &[Token] = &[
     LBracket, When, Budget, Con, Initial, At, Import, Lt,
 ];
 
-/// Purpose of an expected name, by the token before it.
+/// Role of an expected name in a message, by the token before it: after `node`, "the name of the node".
 const NAME_PURPOSES: &[(Token, &str)] = &[
     (Finish, "a result name"),
     (Yield, "a result name"),
@@ -159,10 +159,11 @@ const NAME_PURPOSES: &[(Token, &str)] = &[
     (Status, "the name of a port"),
 ];
 
-/// Maximum number of alternatives in a message.
+/// Maximum number of expected tokens that a message lists, so that the message stays readable.
 const MAX_LISTED: usize = 4;
 
-/// Returns a description of the expected tokens: "`;` or an operator". `before` is the token before the error.
+/// Returns a description of the expected tokens for a message, such as "`;` or an operator". `before` is the token
+/// before the syntax error.
 pub(crate) fn describe(expected: &[Token], before: Option<Token>) -> String {
     let meant = |token: &Token| *token != Broken && !is_kind2_only(*token);
     let mut left: Vec<Token> = expected.iter().copied().filter(meant).collect();
@@ -184,7 +185,7 @@ pub(crate) fn describe(expected: &[Token], before: Option<Token>) -> String {
     join_alternatives(single.into_iter().chain(words))
 }
 
-/// Returns whether the token occurs in Kind 2 programs only. Such tokens are never suggested.
+/// Returns whether the token occurs in Kind 2 programs only. Messages never suggest such a token.
 fn is_kind2_only(token: Token) -> bool {
     let word = token.keyword().is_some_and(|word| !word.in_rpi);
     word || matches!(
@@ -231,7 +232,7 @@ fn join_alternatives(words: impl Iterator<Item = String>) -> String {
     }
 }
 
-/// Returns a help text for the rejected token.
+/// Returns advice for a syntax error at the token `here`; `None` if there is none for this token.
 pub(crate) fn help_text(here: Option<Token>) -> Option<&'static str> {
     match here {
         Some(LBrace) => Some("a body is written between `let` and `tel`"),

@@ -5,8 +5,8 @@ use crate::context::ParseContext;
 use crate::lexer::Lexeme;
 use crate::token::Token;
 
-/// Returns the names that a phrase with a syntax error seems to define: targets of an equation, ports, a label, a
-/// result.
+/// Returns the names that a statement, declaration or step with a syntax error seems to define: targets of an equation,
+/// ports, a label, a result. `phrase` holds its tokens.
 pub(crate) fn names_of_phrase(cx: &ParseContext<'_>, phrase: &[Lexeme]) -> Vec<Ident> {
     use Token::{Automaton, Fail, Finish, Fragment, State, Yield};
     let head = phrase.first().map(|lexeme| lexeme.token);
@@ -21,8 +21,8 @@ pub(crate) fn names_of_phrase(cx: &ParseContext<'_>, phrase: &[Lexeme]) -> Vec<I
     names
 }
 
-/// Returns the targets of the equations inside a phrase, such as those in states of an automaton or in cases of other
-/// languages.
+/// Returns the targets of the equations inside a statement with a syntax error, such as those in states of an automaton
+/// or in cases of other languages. `phrase` holds the tokens of the statement.
 pub(crate) fn inner_targets(
     cx: &ParseContext<'_>,
     phrase: &[Lexeme],
@@ -42,7 +42,7 @@ pub(crate) fn inner_targets(
     equations.map(|w| cx.ident(w[1].start, w[1].end))
 }
 
-/// Returns the names that a declaration with a syntax error seems to declare.
+/// Returns the names that a declaration with a syntax error seems to declare. `lexemes` are its tokens.
 pub(crate) fn names_of_item(cx: &ParseContext<'_>, lexemes: &[Lexeme]) -> Vec<Ident> {
     match lexemes.first().map(|lexeme| lexeme.token) {
         Some(Token::Const | Token::Datatype | Token::Type) => {
@@ -56,7 +56,8 @@ pub(crate) fn names_of_item(cx: &ParseContext<'_>, lexemes: &[Lexeme]) -> Vec<Id
     }
 }
 
-/// Returns the constructors of a `datatype` with a syntax error. Those with fields are callable.
+/// Returns the constructors that a `datatype` with a syntax error seems to declare. Constructors with fields are
+/// callable, others are constants.
 pub(crate) fn datatype_constructors(
     cx: &ParseContext<'_>,
     lexemes: &[Lexeme],
@@ -79,8 +80,8 @@ pub(crate) fn datatype_constructors(
     declared.collect()
 }
 
-/// Returns the names before the first `=` or `:`, without fields and indices. Without `=` and `:`, returns the names at
-/// the start of the phrase.
+/// Returns the names before the first `=` or `:` in the tokens `phrase`, without fields and indices. Without `=` and
+/// `:`, returns the names separated by commas at the start.
 fn names_before_definition(cx: &ParseContext<'_>, phrase: &[Lexeme]) -> Vec<Ident> {
     let defines = |lexeme: &Lexeme| matches!(lexeme.token, Token::Eq | Token::Colon);
     match phrase.iter().position(defines) {

@@ -3,7 +3,8 @@
 use std::cell::OnceCell;
 use std::collections::HashSet;
 
-/// Names that a text seems to declare. The set is computed once, on first use, as a text may have many errors.
+/// Set of the names that a source text seems to declare. It is computed on first use, and only once, as a text may have
+/// many errors.
 pub(crate) struct GuessedNames<'t> {
     text: &'t str,
     names: OnceCell<HashSet<Box<str>>>,
@@ -17,14 +18,14 @@ impl<'t> GuessedNames<'t> {
         }
     }
 
-    /// Returns whether the text seems to declare the name: `x: real`, `x, y: real`, `x = ...`.
+    /// Returns whether the text seems to declare the name, as `x: real`, `x, y: real` and `x = ...` do.
     pub(crate) fn declares(&self, name: &str) -> bool {
         let names = self.names.get_or_init(|| declared_names(self.text));
         names.contains(name)
     }
 }
 
-/// Returns the words followed by `:`, `,` or `=`.
+/// Returns the words in the text that are followed by `:`, `,` or `=`.
 fn declared_names(text: &str) -> HashSet<Box<str>> {
     let is_part = |c: char| c.is_ascii_alphanumeric() || c == '_' || c == '\'';
     let words = text.split(|c| !is_part(c)).filter(|word| !word.is_empty());

@@ -9,7 +9,8 @@ use crate::neighbours;
 use crate::neighbours::Neighbours;
 use crate::token::Token;
 
-/// Turns every contextual keyword that is used as a name into a name, and every string that names a claim into a label.
+/// Turns each contextual keyword that is used as a name into a name token, and each string that names a claim into a
+/// label token.
 pub(crate) fn resolve_keywords(lexemes: &mut [Lexeme], mode: Dialect) {
     let has_own_check = mode == Dialect::Rpi && declares_node(lexemes, Token::Check);
     let has_own_last = declares_node(lexemes, Token::Last);
@@ -39,7 +40,9 @@ pub(crate) fn resolve_keywords(lexemes: &mut [Lexeme], mode: Dialect) {
 }
 
 /// Returns the indices of the `;` inside brackets, in text order: `merge(c; start * 2.0; x)`. No statement begins after
-/// them. The `;` in a mode of a contract, `mode m (require x; ensure y)`, and in an unclosed bracket are left out.
+/// such a `;`.
+///
+/// The `;` in a mode of a contract, `mode m (require x; ensure y)`, and in an unclosed bracket are left out.
 fn semicolons_in_brackets(lexemes: &[Lexeme]) -> Vec<usize> {
     use Token::{LBracket, LParen, LStatic, Let, RBracket, RParen, RStatic, Semi, Tel};
     let of_mode = |open: usize| open >= 2 && lexemes[open - 2].token == Token::ModeWord;
@@ -68,20 +71,23 @@ fn semicolons_in_brackets(lexemes: &[Lexeme]) -> Vec<usize> {
     found
 }
 
-/// Removes the indices found after the first bracket that is still open.
+/// Removes the indices in `found` that were added after the first bracket in `open`. An entry of `open` is the index of
+/// an unclosed bracket and the length of `found` at that bracket.
 fn truncate_to_first(found: &mut Vec<usize>, open: &[(usize, usize)]) {
     if let Some((_, count)) = open.first() {
         found.truncate(*count);
     }
 }
 
-/// Returns whether the token is the operator `last` before a bracket: `last (x)`.
+/// Returns whether the token at index `at` is the operator `last` before a bracket: `last (x)`. `enclosed` are the
+/// indices of the `;` inside brackets.
 fn is_last_operator(lexemes: &[Lexeme], at: usize, enclosed: &[usize]) -> bool {
     let around = Neighbours::new(lexemes, at, enclosed);
     lexemes[at].token == Token::Last && around.after == Some(Token::LParen) && !around.is_field()
 }
 
-/// Returns whether the token is the keyword in `(activate (restart N every r) every c)`, not a call of `activate`.
+/// Returns whether the token at index `at` is the keyword in `(activate (restart N every r) every c)`, and not the name
+/// of a called node.
 fn is_activate_of_restart(lexemes: &[Lexeme], at: usize) -> bool {
     let token = |behind: usize| lexemes.get(at + behind).map(|lexeme| lexeme.token);
     lexemes[at].token == Token::Activate
@@ -89,8 +95,9 @@ fn is_activate_of_restart(lexemes: &[Lexeme], at: usize) -> bool {
         && token(3).is_some_and(neighbours::is_name)
 }
 
-/// Returns the indices of the `match` before a value in parentheses, `match (o) with A: 1 end`, in text order. A call
-/// of a node named `match` is not followed by cases.
+/// Returns the indices of the keywords `match` before a value in parentheses, `match (o) with A: 1 end`, in text order.
+///
+/// A `match` without cases after the parentheses is the name of a called node.
 fn matches_on_parentheses(lexemes: &[Lexeme]) -> Vec<usize> {
     let mut open = Vec::new();
     let mut found = Vec::new();
@@ -109,7 +116,8 @@ fn matches_on_parentheses(lexemes: &[Lexeme]) -> Vec<usize> {
     found
 }
 
-/// Returns whether cases follow: `with A: 1`, `with | A: 1`, `with W(A): 1`. An update has the form `with [0] = 1`.
+/// Returns whether the cases of a `match` begin at token `at`: `with A: 1`, `with | A: 1`, `with W(A): 1`. An update
+/// has the form `with [0] = 1`.
 fn cases_follow(lexemes: &[Lexeme], at: usize) -> bool {
     let token = |i: usize| lexemes.get(i).map(|lexeme| lexeme.token);
     let is_case = token(at + 1).is_some_and(neighbours::is_name)
@@ -117,7 +125,7 @@ fn cases_follow(lexemes: &[Lexeme], at: usize) -> bool {
     token(at) == Some(Token::With) && (is_case || token(at + 1) == Some(Token::Bar))
 }
 
-/// Returns whether the file declares a node, function or fragment named like the keyword.
+/// Returns whether the file declares a node, function or fragment whose name is the keyword `word`.
 fn declares_node(lexemes: &[Lexeme], word: Token) -> bool {
     use Token::{Fragment, Function, Imported, Node};
     let pairs = lexemes.windows(2);
@@ -126,8 +134,11 @@ fn declares_node(lexemes: &[Lexeme], word: Token) -> bool {
     names.any(|pair| pair[1].token == word)
 }
 
-/// Returns whether the token begins a claim with a bracket, not a call: `guarantee (x > 0);` in a contract,
-/// `check (x > 0);` in a body. If the file declares a node `check`, the latter is a call.
+/// Returns whether the token at index `at` is the keyword of a claim in brackets, not the name of a called node:
+/// `guarantee (x > 0);` in a contract, `check (x > 0);` in a body.
+///
+/// If the file declares a node `check` (`has_own_check`), `check (x > 0);` is a call. `enclosed` are the indices of the
+/// `;` inside brackets.
 fn begins_claim(
     lexemes: &[Lexeme],
     at: usize,
@@ -158,7 +169,8 @@ fn resolve_label(lexemes: &mut [Lexeme], at: usize) {
     }
 }
 
-/// Inserts the `type` of `f<<type real[m]>>` where it is left out, as only a type is possible there.
+/// Inserts the keyword `type` before a real type with a unit in static arguments, so that `f<<real[m]>>` is read as
+/// `f<<type real[m]>>`.
 pub(crate) fn insert_type_keywords(lexemes: &mut Vec<Lexeme>) {
     use Token::{Comma, LBracket, LStatic, RealType};
     let begins = |at: &usize| {
@@ -191,10 +203,11 @@ pub(crate) fn insert_type_keywords(lexemes: &mut Vec<Lexeme>) {
     *lexemes = marked;
 }
 
-/// Maximum number of tokens searched backwards for the bracket around a type.
+/// Maximum number of tokens searched backwards for the opening bracket of static arguments. Bounds the time for long
+/// expressions.
 const MAX_LOOKBEHIND: usize = 200;
 
-/// Returns the innermost bracket that is open after these tokens.
+/// Returns the innermost bracket that is open at the end of the tokens `before`; `None` if there is none nearby.
 fn innermost_open_bracket(before: &[Lexeme]) -> Option<Token> {
     use Token::{LBrace, LBracket, LParen, LStatic, RBrace, RBracket, RParen, RStatic};
     let mut depth = 0u32;

@@ -8,24 +8,25 @@
 use crate::lexer::Lexeme;
 use crate::token::Token;
 
-/// Construct that is open at a token, on the stack of the [`BlockMarker`].
+/// Construct of Kind 2, such as a `when` block, that is open while the tokens are read.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 enum OpenConstruct {
     /// The body after a `let`: a list of statements.
     Body,
-    /// The condition of a block. `waiting` counts the `if` of expressions in it that still need their `then`.
+    /// The condition of a block that began with `opener`. `waiting` is the number of `if` expressions in the condition
+    /// whose `then` is still to come.
     Condition { opener: Token, waiting: u32 },
-    /// The branches of a block, which began with this keyword.
+    /// The branches of a block, with the token that began the block.
     Branches(Token),
-    /// The header of a `frame`, up to its `let`.
+    /// The header of a `frame` block, which ends at its `let`.
     FrameHead,
     /// A `match` expression.
     Match,
-    /// Bracket, which closes with its counterpart and not with a keyword.
+    /// A bracket, which is closed by its counterpart and not by a keyword.
     Bracket,
 }
 
-/// Returns for each token whether a keyword that closes blocks follows in the same body.
+/// Returns for each token whether a keyword that closes blocks (`fi` or `end`) follows in the same body.
 fn closed_later(text: &str, lexemes: &[Lexeme]) -> Vec<bool> {
     let mut is_closed = false;
     let mut closed = vec![false; lexemes.len()];
@@ -44,7 +45,8 @@ fn closed_later(text: &str, lexemes: &[Lexeme]) -> Vec<bool> {
     closed
 }
 
-/// Replaces the keywords of Kind 2 constructs by tokens of their own.
+/// Replaces the keywords of Kind 2 blocks by separate tokens, so that the grammar can distinguish them from other uses
+/// of the words.
 pub(crate) fn mark_blocks(text: &str, lexemes: &mut [Lexeme]) {
     let mut marker = BlockMarker {
         text,
@@ -65,7 +67,7 @@ struct BlockMarker<'t> {
     open: Vec<OpenConstruct>,
     /// Whether a statement may begin at the next token.
     at_statement_start: bool,
-    /// For each token, whether a keyword that closes blocks follows in the same body.
+    /// For each token of the file, whether a keyword that closes blocks follows in the same body.
     closed_later: Vec<bool>,
 }
 
@@ -90,7 +92,8 @@ impl BlockMarker<'_> {
         )
     }
 
-    /// Returns the token that replaces the first token of a statement, if it begins, continues or closes a block.
+    /// Returns the token that replaces the token at index `at`, the first one of a statement, if it begins, continues
+    /// or closes a block; `None` otherwise.
     fn mark_statement_start(&mut self, lexemes: &[Lexeme], at: usize) -> Option<Token> {
         let next = lexemes.get(at + 1).map(|lexeme| lexeme.token);
         let is_name = matches!(
@@ -154,7 +157,8 @@ impl BlockMarker<'_> {
         Some(as_token)
     }
 
-    /// Updates the stack of open constructs and returns the token, replaced where necessary.
+    /// Updates the stack of open constructs for a token. Returns the class of the token, or a special class in its
+    /// place: for example, for the `end` of a `match` expression. `next` is the token after it.
     fn track(&mut self, lexeme: Lexeme, next: Option<Token>) -> Token {
         use Token::{
             Bar, Colon, End, If, LBrace, LBracket, LParen, LStatic, Let, Match, Question, RBrace,
@@ -203,7 +207,7 @@ impl BlockMarker<'_> {
         self.at_statement_start = true;
     }
 
-    /// Closes the innermost body with everything that is still open in it.
+    /// Closes the innermost open body and all constructs that are still open inside it.
     fn close_body(&mut self) {
         let body = self
             .open

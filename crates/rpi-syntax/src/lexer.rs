@@ -25,27 +25,27 @@ pub(crate) struct Lexeme {
     pub(crate) end: u32,
 }
 
-/// Tokens, comments and errors that the lexer returns.
+/// Result of the lexer: tokens, comments and errors of a text.
 pub(crate) struct LexOutput {
     pub(crate) lexemes: Vec<Lexeme>,
     pub(crate) comments: Comments,
     pub(crate) errors: Vec<LexicalError>,
-    /// Spans of comments with contracts and properties, whose content was lexed.
+    /// Spans of the comments that contain a contract or property, whose content was read as tokens.
     pub(crate) lexed_comments: Vec<Span>,
-    /// Replacement text of tokens, by their byte range: `0xFF` for `16#FF`.
+    /// Texts that replace the source text of tokens, by the byte range of the token: `0xFF` for `16#FF`.
     pub(crate) replaced_text: BTreeMap<(u32, u32), String>,
 }
 
-/// Maximum length of a text in bytes. Offsets have 32 bits.
+/// Maximum length of a source text in bytes. Offsets have 32 bits.
 const MAX_LEN: usize = u32::MAX as usize / 2;
 
-/// Splits a text into tokens and comments.
+/// Splits a source text into tokens and comments.
 pub(crate) fn lex(file: FileId, text: &str, mode: Dialect) -> LexOutput {
     lex_skipping(file, text, mode, &BTreeSet::new())
 }
 
-/// Splits a text into tokens and comments. Comments that begin at a `skipped` offset stay comments, even if they
-/// contain a contract or property.
+/// Splits a source text into tokens and comments. A comment that begins at one of the byte offsets `skipped` is not
+/// read as tokens, even if it contains a contract or property.
 pub(crate) fn lex_skipping(
     file: FileId,
     text: &str,
@@ -72,22 +72,23 @@ pub(crate) fn lex_skipping(
     lexer.output
 }
 
-/// Beginning of a contract in a comment.
+/// Start of a comment with a contract, after the comment marker.
 const CONTRACT_MARK: &str = "@contract";
 
-/// Beginning of a property in a comment.
+/// Start of a comment with a property, after the comment marker.
 const PROPERTY_MARK: &str = "%PROPERTY";
 
-/// Text that is being split into tokens, with the current position.
+/// State of the lexer: the source text and the result so far.
 struct Lexer<'t> {
     file: FileId,
     text: &'t str,
     mode: Dialect,
-    /// Offsets of comments whose contracts and properties are not lexed.
+    /// Byte offsets of the comments whose contracts and properties are not read as tokens.
     skipped_claims: &'t BTreeSet<u32>,
     output: LexOutput,
     guessed_names: GuessedNames<'t>,
-    /// Span of adjacent unknown characters so far, which are reported together.
+    /// Span of the adjacent unknown characters read so far, which are reported together; `None` if the last character
+    /// was known.
     unknown: Option<Span>,
 }
 
@@ -111,7 +112,7 @@ impl<'t> Lexer<'t> {
         }
     }
 
-    /// Lexes a byte range of the text.
+    /// Splits the bytes `from..to` of the text into tokens and comments.
     fn lex_range(&mut self, from: usize, to: usize) {
         let text = &self.text[from..to];
         let mut tokens = Token::lexer(text);
@@ -174,7 +175,8 @@ impl<'t> Lexer<'t> {
         }
     }
 
-    /// Reports the tick of `'(`, which only begins an expression in Lustre, and continues with the parenthesis.
+    /// Reports the tick of `'(`, which begins an expression only in Lustre files, and continues with the parenthesis as
+    /// a token.
     fn stray_tick(&mut self, lexeme: Lexeme) {
         let start = lexeme.start + 1;
         self.unknown_chars(lexeme.start, start);
@@ -202,13 +204,14 @@ impl<'t> Lexer<'t> {
         self.push(Token::Str, lexeme);
     }
 
-    /// Lexes a contract of Kind 2 in a comment, `(*@contract ... *)`, as `con ... noc`.
+    /// Reads a comment with a contract of Kind 2, `(*@contract ... *)`, as the tokens of `con ... noc`.
     fn contract(&mut self, lexeme: Lexeme) {
         let start = self.lex_claim(lexeme, CONTRACT_MARK, Token::Con);
         self.push(Token::Noc, Lexeme { start, ..lexeme });
     }
 
-    /// Lexes a property of Kind 2 in a comment, `--%PROPERTY x;` or `(*%PROPERTY x; *)`, as a statement.
+    /// Reads a comment with a property of Kind 2, `--%PROPERTY x;` or `(*%PROPERTY x; *)`, as the tokens of a
+    /// statement.
     fn property(&mut self, lexeme: Lexeme) {
         let end = self.lex_claim(lexeme, PROPERTY_MARK, Token::Property);
         // Some tools accept a property without `;`.
@@ -225,7 +228,8 @@ impl<'t> Lexer<'t> {
         }
     }
 
-    /// Lexes the content of a comment and returns its end. `token` replaces the text up to and including `mark`.
+    /// Reads the content of a comment as tokens and returns the byte offset of its end. `token` replaces the text up to
+    /// the end of `mark`, which is `@contract` or `%PROPERTY`.
     fn lex_claim(&mut self, lexeme: Lexeme, mark: &str, token: Token) -> u32 {
         let head = self.slice(lexeme).find(mark).unwrap_or_default() + mark.len();
         let inner = lexeme.start + head as u32;
@@ -241,7 +245,7 @@ impl<'t> Lexer<'t> {
         close
     }
 
-    /// Returns the method that lexes a comment with a contract or property; `None` for other comments.
+    /// Returns the method that reads a comment with a contract or property as tokens; `None` for other comments.
     fn claim_lexer(&self, lexeme: Lexeme, kind: CommentKind) -> Option<fn(&mut Self, Lexeme)> {
         let read = self.mode == Dialect::Lustre && !self.skipped_claims.contains(&lexeme.start);
         let whole = lexeme.token != Token::OpenComment;
@@ -273,10 +277,10 @@ impl<'t> Lexer<'t> {
                 self.report(ForeignSyntax, self.foreign_comment(span, 1));
             }
             _ if kind == CommentKind::Contract => {
-                self.report(Other, lexical_errors::unsupported_contract(span));
+                self.report(Other, lexical_errors::unsupported_contract(span, self.mode));
             }
             _ if kind == CommentKind::Property => {
-                self.report(Other, lexical_errors::unsupported_property(span));
+                self.report(Other, lexical_errors::unsupported_property(span, self.mode));
             }
             _ => {}
         }
@@ -315,7 +319,8 @@ impl<'t> Lexer<'t> {
     }
 }
 
-/// Returns the length in bytes of the rest of a pragma of Lustre V6, `%ASSUME:name%`, after its first `%`.
+/// Returns the length in bytes of the rest of a Lustre V6 pragma such as `%ASSUME:name%` after its first `%`; `None` if
+/// `rest` does not continue a pragma.
 // Pragmas are for the tools of Lustre V6. Other tools treat them as comments.
 fn pragma(rest: &str) -> Option<usize> {
     let is_word = |c: char| c.is_ascii_alphanumeric() || c == '_';
@@ -325,7 +330,7 @@ fn pragma(rest: &str) -> Option<usize> {
     text[end..].starts_with('%').then_some(word + 1 + end + 1)
 }
 
-/// Classifies a comment by its beginning.
+/// Returns the kind of a comment by its first characters.
 fn comment_kind(text: &str) -> CommentKind {
     match text.get(2..) {
         Some(rest) if rest.starts_with(PROPERTY_MARK) => CommentKind::Property,

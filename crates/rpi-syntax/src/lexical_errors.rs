@@ -1,11 +1,13 @@
 //! Diagnostics about single tokens and comments.
 
+use crate::Dialect;
 use crate::ast::Number;
 use crate::foreign;
 use crate::foreign_literal::{self, ForeignLiteral};
+use crate::unit_suffix::is_common_unit;
 use rpi_diag::{Code, Diagnostic, FileId, Fix, Span};
 
-/// Look-alike characters from copied text, with their replacements.
+/// Characters from copied text that look like RPI symbols, each with the symbol to write instead.
 const LOOKALIKES: &[(char, &str)] = &[
     ('\u{201c}', "\""),
     ('\u{201d}', "\""),
@@ -24,8 +26,8 @@ const LOOKALIKES: &[(char, &str)] = &[
     ('\u{00a0}', " "),
 ];
 
-/// Returns the length in bytes of the rest of a text in single quotes, closing quote included; 0 if it is no such text.
-/// `rest` is the text after the opening `'`.
+/// Returns the length in bytes of the rest of a string in single quotes, closing quote included; 0 if the line has no
+/// such string. `rest` is the text after the opening `'`.
 pub(crate) fn single_quoted_len(rest: &str) -> usize {
     let line = rest.lines().next().unwrap_or_default();
     let is_name = |text: &str| text.contains(['(', ')', ';', ':', '=']);
@@ -33,30 +35,28 @@ pub(crate) fn single_quoted_len(rest: &str) -> usize {
     end.map_or(0, |end| end + 1)
 }
 
-/// Reports a character or string in single quotes, as in other languages.
+/// Reports a character or string in single quotes, which other languages have. `text` includes the quotes.
 fn single_quotes(span: Span, text: &str) -> Diagnostic {
     let inner = text.trim_matches('\'');
     let mut letters = inner.chars();
-    let diagnostic = Diagnostic::new(
-        Code::RPI0002,
-        "a string literal is written in double quotes",
-    )
-    .primary(span, "not a valid token");
+    let report =
+        |message| Diagnostic::new(Code::RPI0002, message).primary(span, "not a valid token");
     match (letters.next(), letters.next()) {
-        (Some(letter), None) => diagnostic
+        (Some(letter), None) => report("there are no character literals")
             .help(format!(
-                "there is no character type: use the number {}, or a value of an enum",
+                "use the number of the character, {}, or a value of an enum",
                 letter as u32
             ))
             .fix(Fix::maybe("replace it by its number").replace(span, (letter as u32).to_string())),
         _ => {
             let meant = format!("\"{inner}\"");
-            diagnostic.fix(Fix::maybe(format!("write `{meant}`")).replace(span, meant))
+            report("a string literal is written in double quotes")
+                .fix(Fix::maybe(format!("write `{meant}`")).replace(span, meant))
         }
     }
 }
 
-/// Reports characters that form no token (RPI0002).
+/// Reports adjacent characters that form no token (RPI0002).
 pub(crate) fn unknown_chars(span: Span, text: &str) -> Diagnostic {
     if text.len() > 2 && text.starts_with('\'') && text.ends_with('\'') {
         return single_quotes(span, text);
@@ -79,7 +79,8 @@ pub(crate) fn unknown_chars(span: Span, text: &str) -> Diagnostic {
     }
 }
 
-/// Returns the text with every look-alike character replaced; [`None`] if it contains other characters.
+/// Returns the text with each character that looks like a symbol replaced by the symbol; [`None`] if it contains other
+/// characters.
 fn replace_lookalikes(text: &str) -> Option<String> {
     let one = |c: char| {
         LOOKALIKES
@@ -123,7 +124,8 @@ pub(crate) enum SuffixKind {
     Unit,
 }
 
-/// Reports a number directly followed by a word (RPI0007). The number is `digits` bytes long.
+/// Reports a number directly followed by a word (RPI0007). `text` holds both, of which the number has `digits` bytes;
+/// `behind` classifies the word.
 pub(crate) fn invalid_suffix(
     span: Span,
     text: &str,
@@ -150,14 +152,14 @@ pub(crate) fn invalid_suffix(
     .primary(span, why)
     .fix(Fix::maybe(format!("write `{meant}`")).replace(span, meant));
     match behind {
-        SuffixKind::Name => {
+        SuffixKind::Name if is_common_unit(word) => {
             diagnostic.fix(Fix::maybe(format!("write `{unit}`, a unit")).replace(span, unit))
         }
         _ => diagnostic,
     }
 }
 
-/// Reports a literal in the notation of another language.
+/// Reports a literal in the notation of another language, with a fix that writes its RPI form if there is one.
 pub(crate) fn foreign_literal(
     span: Span,
     text: &str,
@@ -175,7 +177,8 @@ pub(crate) fn foreign_literal(
     }
     let diagnostic = diagnostic.fix(Fix::maybe(title).replace(span, meant.as_str()));
     match text.split_at(foreign_literal::number_len(text)) {
-        (number, unit @ ("F" | "L" | "l")) => {
+        // An integer with `L` is a long integer of C; one with `F` or a fraction may be a quantity.
+        (number, unit @ ("F" | "L" | "l")) if unit == "F" || number.contains('.') => {
             let other = format!("{number}[{unit}]");
             diagnostic.fix(Fix::maybe(format!("write `{other}`, a unit")).replace(span, other))
         }
@@ -183,7 +186,8 @@ pub(crate) fn foreign_literal(
     }
 }
 
-/// Reports a number that does not fit into 64 bits (RPI0008). `is_machine` also allows unsigned 64-bit integers.
+/// Returns a diagnostic (RPI0008) if a number does not fit into 64 bits; `None` if it fits. If `is_machine`, unsigned
+/// 64-bit integers also fit.
 pub(crate) fn check_number(span: Span, text: &str, is_machine: bool) -> Option<Diagnostic> {
     // A number this short without an exponent always fits.
     if text.len() < 16 && text.bytes().all(|b| b.is_ascii_digit() || b == b'.') {
@@ -208,8 +212,8 @@ pub(crate) fn check_number(span: Span, text: &str, is_machine: bool) -> Option<D
     })
 }
 
-/// Reports a comment marker of another language, `mark` bytes long (RPI0013). `is_sure` is set if the marker cannot be
-/// an operator.
+/// Reports a comment with a marker of another language (RPI0013). The marker is `mark` bytes long; `is_sure` is true if
+/// it cannot be an operator.
 pub(crate) fn foreign_comment(span: Span, mark: u32, is_sure: bool) -> Diagnostic {
     let mark = Span {
         end: span.start + mark,
@@ -237,13 +241,32 @@ pub(crate) fn double_slash(span: Span, text: &str) -> Diagnostic {
     .fix(Fix::maybe("write `div`").replace(span, word))
 }
 
-pub(crate) fn unsupported_contract(span: Span) -> Diagnostic {
-    Diagnostic::new(Code::RPI0014, "unsupported contract in a comment")
+/// Reports a contract in a comment (RPI0014) that has no effect. In `.rpi` files no such contract has an effect; in
+/// `.lus` files a contract with an unsupported clause has none.
+pub(crate) fn unsupported_contract(span: Span, dialect: Dialect) -> Diagnostic {
+    let (message, help) = match dialect {
+        Dialect::Rpi => (
+            "a contract in a comment has no effect in an `.rpi` file",
+            "write its clauses without the comment, between `con` and `noc` before `let`",
+        ),
+        Dialect::Lustre => (
+            "unsupported contract in a comment",
+            "supported clauses: `assume`, `guarantee`, `mode`, `import`, `var`, `const`",
+        ),
+    };
+    Diagnostic::new(Code::RPI0014, message)
         .primary(span, "ignored")
-        .help("supported clauses: `assume`, `guarantee`, `mode`, `import`, `var`, `const`")
+        .help(help)
 }
 
-pub(crate) fn unsupported_property(span: Span) -> Diagnostic {
+/// Reports a property in a comment (RPI0014) that has no effect: it is in an `.rpi` file, or its condition does not
+/// parse.
+pub(crate) fn unsupported_property(span: Span, dialect: Dialect) -> Diagnostic {
+    if dialect == Dialect::Lustre {
+        return Diagnostic::new(Code::RPI0014, "this property has no valid condition")
+            .primary(span, "ignored: expected `--%PROPERTY condition;`")
+            .help("write a complete Boolean expression, such as `--%PROPERTY x > 0;`, on one line of a node body");
+    }
     Diagnostic::new(Code::RPI0014, "unsupported property in a comment")
         .primary(span, "ignored")
         .help("supported: `--%PROPERTY condition;`, with an optional name, on one line of a node body in a `.lus` file")

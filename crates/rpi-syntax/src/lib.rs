@@ -56,7 +56,7 @@ pub use token::{KEYWORDS, Keyword, KeywordContext, is_name, symbols};
 
 use rpi_diag::Diagnostic;
 
-/// Dialect of a source file: selects the keywords and the meaning of `%`. See [`Dialect::from_path`].
+/// Dialect of a source file. It selects the keywords and some operators. See [`Dialect::from_path`].
 #[derive(Clone, Copy, PartialEq, Eq, Hash, Debug)]
 pub enum Dialect {
     /// `.rpi` files: the whole language.
@@ -80,8 +80,8 @@ impl Dialect {
 pub struct Parse {
     /// Syntax tree. Parts of the text with errors are error nodes.
     pub file: ast::File,
-    /// Comments of the text.
+    /// All comments of the source text.
     pub comments: Comments,
-    /// Diagnostics in text order.
+    /// Diagnostics of the parser, in text order.
     pub diagnostics: Vec<Diagnostic>,
 }

@@ -81,10 +81,10 @@ impl fmt::Debug for Name {
     }
 }
 
-/// Builder of the hasher for short strings.
+/// Constructor of [`NameHasher`] values for hash tables with short strings as keys.
 pub(crate) type BuildNameHasher = BuildHasherDefault<NameHasher>;
 
-/// String interner: equal names from one text share their memory.
+/// String interner: equal names of one text share their memory.
 #[derive(Default)]
 pub(crate) struct Interner(RefCell<HashSet<Name, BuildNameHasher>>);
 
@@ -100,7 +100,8 @@ impl Interner {
     }
 }
 
-/// Hasher for short strings: multiply and rotate, eight bytes at a time. Not resistant to chosen collisions.
+/// State of a hash function for short strings, which multiplies and rotates eight bytes at a time. It does not resist
+/// deliberate collisions.
 #[derive(Default)]
 pub(crate) struct NameHasher(u64);
 

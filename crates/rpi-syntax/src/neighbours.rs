@@ -3,20 +3,21 @@
 use crate::lexer::Lexeme;
 use crate::token::{Keyword, KeywordContext, Token};
 
-/// Tokens around a word that may be a keyword or a name. Keywords before it are resolved; those after it are not.
+/// Tokens around a word that may be a keyword or a name. Tokens before the word have been classified as keyword or
+/// name, tokens after it have not.
 pub(crate) struct Neighbours {
     third_before: Option<Token>,
     second_before: Option<Token>,
     pub(crate) before: Option<Token>,
     pub(crate) after: Option<Token>,
     second_after: Option<Token>,
-    /// Whether the previous token is a `;` inside brackets.
+    /// Whether the token before the word is a `;` inside brackets, after which no statement begins.
     follows_enclosed_semi: bool,
-    /// Whether a bracket with variable declarations follows.
+    /// Whether a bracket with variable declarations follows the word: `(x: int`.
     precedes_declarations: bool,
 }
 
-/// Returns whether variable declarations follow the bracket at `at`.
+/// Returns whether the token at index `at` is a bracket that begins with a variable declaration: `(x: int`, `{ x: int`.
 fn declares_variables(lexemes: &[Lexeme], at: usize) -> bool {
     let token = |i: usize| lexemes.get(i).map(|lexeme| lexeme.token);
     if !matches!(token(at), Some(Token::LParen | Token::LBrace)) {
@@ -76,25 +77,27 @@ impl Neighbours {
         }
     }
 
-    /// Returns whether the word is a field: `arm.end`. A `.` after `tel` ends a declaration instead.
+    /// Returns whether the word is the name of a field after a `.`: `arm.end`. A `.` after `tel` ends a declaration
+    /// instead.
     pub(crate) fn is_field(&self) -> bool {
         self.before == Some(Token::Dot) && self.second_before != Some(Token::Tel)
     }
 
-    /// Returns whether the next token shows that the word is a name: `end = 3`, `start: real`, `(end, x)`, `f(start)`.
+    /// Returns whether the next token shows that the word is a name and not a keyword: `end = 3`, `start: real`,
+    /// `(end, x)`, `f(start)`.
     fn is_certainly_name(&self) -> bool {
         use Token::{Colon, Comma, Dot, Eq, RParen};
         matches!(self.after, Some(Eq | Colon | Comma | Dot | RParen))
     }
 
-    /// Returns whether the word is called or indexed: `test(x)`, `frame[2]`.
+    /// Returns whether the word is followed by arguments or an index: `test(x)`, `frame[2]`.
     fn is_called(&self) -> bool {
         use Token::{LBracket, LParen};
         matches!(self.after, Some(LParen | LBracket))
     }
 
-    /// Returns whether the word begins a declaration or statement: it is at a possible start and not called, or it is
-    /// directly before a name or literal, where only a keyword is possible.
+    /// Returns whether the word begins a declaration or statement. It does so directly before a name or literal, where
+    /// only a keyword is possible, and at a possible start (`can_begin`) if no arguments or index follow.
     fn is_at_start(&self, can_begin: bool) -> bool {
         use Token::{Ident, Int, Path, Real, Str};
         let before_name = matches!(self.after, Some(Ident | Path | Int | Real | Str));
@@ -128,8 +131,8 @@ impl Neighbours {
         }
     }
 
-    /// Returns whether the word is an operand before a connective keyword: `status in base`. In `c initial default x` a
-    /// value precedes, so `initial` is a keyword.
+    /// Returns whether the word is an operand before a keyword that connects two operands: `status` in
+    /// `status in base`. After a value the word is a keyword itself: `initial` in `c initial default x`.
     fn precedes_connective(&self) -> bool {
         if self.before.is_some_and(ends_value) {
             return false;
@@ -150,8 +153,8 @@ impl Neighbours {
         self.after.is_some_and(connects) && self.second_after.is_some_and(goes_on)
     }
 
-    /// Returns whether the word begins an element of a list, where a connective keyword may follow:
-    /// `Pose(state in base)`.
+    /// Returns whether the word begins an element of a list in parentheses: `state` in `Pose(state in base)`. A keyword
+    /// may follow such a word.
     fn is_list_element(&self) -> bool {
         matches!(self.before, Some(Token::LParen | Token::Comma))
     }
@@ -160,19 +163,21 @@ impl Neighbours {
         self.before.is_some_and(ends_operand) && !self.follows_conversion()
     }
 
-    /// Returns whether the word is the operand of a conversion: `int step`. After `:` or `of`, `int` is a type.
+    /// Returns whether the word is the operand of a conversion: `step` in `int step`. After `:` or `of`, `int` is a
+    /// type.
     fn follows_conversion(&self) -> bool {
         let is_type = matches!(self.second_before, Some(Token::Colon | Token::Of));
         matches!(self.before, Some(Token::IntType | Token::RealType)) && !is_type
     }
 
-    /// Returns whether the word is a prefix operator: `real current x`. `int` and `real` before it may be conversions.
+    /// Returns whether the word is a prefix operator: `current` in `real current x`. An `int` or `real` before the word
+    /// may be a conversion.
     fn is_prefix(&self) -> bool {
         let converted = matches!(self.before, Some(Token::IntType | Token::RealType));
         (converted || !self.is_after_operand()) && self.after.is_some_and(begins_operand)
     }
 
-    /// Returns whether the word is the node of a restart: `step` in `(restart step every c)(x)`.
+    /// Returns whether the word is the name of the node in a restart: `step` in `(restart step every c)(x)`.
     fn is_restarted_node(&self) -> bool {
         [self.second_before, self.before] == [Some(Token::LParen), Some(Token::Restart)]
     }
@@ -181,7 +186,7 @@ impl Neighbours {
         self.is_after_operand() || self.before == Some(Token::Bar)
     }
 
-    /// Returns whether the word is a conversion to a machine integer: `(int8 x)`.
+    /// Returns whether the word is a conversion to a machine integer: `int8` in `(int8 x)`.
     fn is_conversion(&self, word: &Keyword) -> bool {
         use Token::{At, Colon, Ident, Int, LParen, Minus};
         let is_type = matches!(self.before, Some(Colon | Token::Of));
@@ -199,8 +204,8 @@ impl Neighbours {
     }
 }
 
-/// Returns whether the token begins an operand and cannot continue one. `-` is excluded: `x - y` is a difference, even
-/// if `x` is a prefix elsewhere.
+/// Returns whether the token begins an operand and cannot continue an expression. `-` is excluded, as it also continues
+/// one: `x - y`.
 pub(crate) fn begins_operand(token: Token) -> bool {
     use Token::{
         Current, False, Hash, Ident, If, Int, IntType, LParen, Last, Merge, Nor, Not, Path, Pre,
@@ -217,7 +222,8 @@ pub(crate) fn begins_operand(token: Token) -> bool {
     value || word
 }
 
-/// Returns whether an operand can end with this token, so that an operator may follow: a name, a number, `)`.
+/// Returns whether an operand can end with this token, so that an operator may follow: a name, a literal, a closing
+/// bracket or `%`.
 pub(crate) fn ends_value(token: Token) -> bool {
     use Token::{
         False, Ident, Int, Path, Percent, RBrace, RBracket, RParen, RStatic, Real, Str, True,
@@ -226,7 +232,7 @@ pub(crate) fn ends_value(token: Token) -> bool {
     value || matches!(token, RParen | RBracket | RBrace | RStatic | Percent)
 }
 
-/// Returns whether an operator or clause may follow the token.
+/// Returns whether an operator or a clause such as `budget` may follow the token.
 fn ends_operand(token: Token) -> bool {
     use Token::{BoolType, End, Initial, IntType, Otherwise, Question, RealType, Restart, Tel};
     match token {

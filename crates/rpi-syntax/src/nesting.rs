@@ -8,18 +8,18 @@ use crate::lexer::Lexeme;
 use crate::token::Token;
 use rpi_diag::{Code, Diagnostic};
 
-/// Maximum accepted nesting depth. Every walk over a tree may recurse this deep: see
-/// [`with_stack`](crate::with_large_stack).
+/// Maximum accepted nesting depth. Functions that walk over a tree may recurse this deep: see
+/// [`with_large_stack`](crate::with_large_stack).
 pub(crate) const MAX_DEPTH: u32 = 5_000;
 
-/// Bracket or body that is open during the check of the nesting depth.
+/// Bracket or body that is open during the check of the nesting depth. Its elements are separated by `,` or `;`.
 #[derive(Clone, Copy, Default)]
 struct OpenLevel {
-    /// Number of operators in the current element.
+    /// Number of operators in the current element, each of which may be one level of the tree.
     operators: u32,
-    /// Depth of the deepest bracket in the current element.
+    /// Maximum number of nested brackets in the current element.
     inner: u32,
-    /// Depth of the deepest previous element.
+    /// Maximum depth of the elements before the current one.
     deepest: u32,
 }
 
@@ -36,7 +36,7 @@ impl OpenLevel {
     }
 }
 
-/// Returns a diagnostic (RPI0011) if the declaration is nested too deeply; `None` otherwise.
+/// Returns a diagnostic (RPI0011) if the declaration is nested deeper than [`MAX_DEPTH`]; `None` otherwise.
 pub(crate) fn too_deep(cx: &ParseContext<'_>, lexemes: &[Lexeme]) -> Option<Diagnostic> {
     // Each level takes at least one token, so a short declaration cannot be too deep.
     if lexemes.len() <= MAX_DEPTH as usize {
@@ -85,7 +85,7 @@ fn current_level(levels: &mut Vec<OpenLevel>) -> &mut OpenLevel {
     &mut levels[last]
 }
 
-/// Closes a bracket and adds its depth to the enclosing element.
+/// Closes the innermost bracket and counts its depth in the element that contains it.
 fn close_level(levels: &mut Vec<OpenLevel>) {
     let closed = levels.pop().unwrap_or_default();
     let outer = current_level(levels);

@@ -3,7 +3,7 @@
 //! The parser, the printer (for parentheses) and the language reference use this table. The levels are those of Lustre
 //! V6. `??` is added below `=>`, so that `a = b ?? false` needs no parentheses.
 
-/// Associativity of a binary operator.
+/// Associativity of a binary operator: how a chain without parentheses is grouped.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub enum Associativity {
     /// Left-associative: `a - b - c` is `(a - b) - c`.
@@ -17,9 +17,10 @@ pub enum Associativity {
 /// Precedence level of an operator. A higher level binds more strongly.
 pub type Precedence = u8;
 
-/// Precedence level of `if c then x else` and `with c then x else`. The last branch extends as far right as possible.
+/// Precedence level of the prefixes `if c then x else` and `with c then x else`. The operand after `else` extends as
+/// far right as possible.
 pub const PRECEDENCE_IF: Precedence = 1;
-/// Precedence level of `x when c`.
+/// Precedence level of `x when c`, which is higher than that of most binary operators.
 pub const PRECEDENCE_WHEN: Precedence = 13;
 /// Precedence level of expressions that need no parentheses: names, literals, calls, `x.f`, `x[i]`.
 pub const PRECEDENCE_PRIMARY: Precedence = 17;
@@ -27,13 +28,13 @@ pub const PRECEDENCE_PRIMARY: Precedence = 17;
 /// Row of the table of binary operators.
 #[derive(Debug)]
 pub struct BinaryOpInfo {
-    /// Operator.
+    /// Operator that the row of the table describes.
     pub op: BinaryOp,
-    /// Spelling in source text.
+    /// Keyword or symbol of the operator in a program.
     pub spelling: &'static str,
-    /// Precedence level.
+    /// Precedence level: an operator of a higher level binds more strongly.
     pub precedence: Precedence,
-    /// How operators of one precedence group without parentheses.
+    /// Grouping of operators of one precedence level without parentheses: left, right or not allowed.
     pub associativity: Associativity,
     /// Whether the operator exists in `.lus` files only.
     pub only_lustre: bool,
@@ -44,11 +45,11 @@ pub struct BinaryOpInfo {
 /// Row of the table of unary operators. All are prefix operators.
 #[derive(Debug)]
 pub struct UnaryOpInfo {
-    /// Operator.
+    /// Operator that the row of the table describes.
     pub op: UnaryOp,
-    /// Spelling in source text.
+    /// Keyword or symbol of the operator in a program.
     pub spelling: &'static str,
-    /// Precedence level.
+    /// Precedence level: an operator of a higher level binds more strongly.
     pub precedence: Precedence,
     /// Whether the operator exists in `.lus` files only.
     pub only_lustre: bool,
@@ -67,7 +68,7 @@ macro_rules! only_lustre {
 
 macro_rules! binary_ops {
     ($($op:ident $spelling:literal $level:literal $grouping:ident $doc:literal $($mode:ident)?;)*) => {
-        /// Binary operator.
+        /// Operator between two operands, such as `+` or `and`.
         #[derive(Clone, Copy, PartialEq, Eq, Hash, Debug, PartialOrd, Ord)]
         pub enum BinaryOp {
             $(#[doc = concat!("`", $spelling, "`: ", $doc)] $op,)*
@@ -87,7 +88,7 @@ macro_rules! binary_ops {
 
 macro_rules! unary_ops {
     ($($op:ident $spelling:literal $level:literal $doc:literal $($mode:ident)?;)*) => {
-        /// Unary prefix operator.
+        /// Operator before its only operand, such as `not` or `pre`.
         #[derive(Clone, Copy, PartialEq, Eq, Hash, Debug, PartialOrd, Ord)]
         pub enum UnaryOp {
             $(#[doc = concat!("`", $spelling, "`: ", $doc)] $op,)*
@@ -165,7 +166,7 @@ impl BinaryOp {
         self.info().precedence
     }
 
-    /// Returns the associativity of the operator.
+    /// Returns how a chain of the operator without parentheses is grouped: from the left, from the right, or rejected.
     pub fn associativity(self) -> Associativity {
         self.info().associativity
     }

@@ -9,10 +9,9 @@ use crate::{Dialect, Parse, nesting, recover, stray_tokens, with_large_stack};
 use rpi_diag::{Diagnostic, FileId, Severity, Span};
 use std::collections::BTreeSet;
 
-/// Parses a whole file. Never fails and never panics: every text has a tree. Never fails and never panics: every text
-/// has a tree.
+/// Parses a whole file. The function never fails and never panics: every text has a syntax tree.
 ///
-/// Text with a syntax error becomes a `Broken` node with the names that it seems to define. There is one diagnostic for
+/// Text with a syntax error becomes an error node with the names that it seems to define. There is one diagnostic for
 /// each independent error.
 pub fn parse(file: FileId, text: &str, mode: Dialect) -> Parse {
     parse_with_tokens(file, text, mode).0
@@ -38,7 +37,8 @@ pub(crate) fn parse_with_tokens(file: FileId, text: &str, mode: Dialect) -> (Par
     (parse, lexed.lexemes)
 }
 
-/// Returns the diagnostics of the lexer. Those about named arguments of one call become one, with all their places.
+/// Returns the diagnostics of the lexer's errors. Diagnostics about named arguments of one call are merged into one
+/// with all places.
 fn merge_per_call(text: &str, errors: Vec<LexicalError>) -> Vec<Diagnostic> {
     let mut merged: Vec<LexicalError> = Vec::with_capacity(errors.len());
     for error in errors {
@@ -67,10 +67,11 @@ fn merge_per_call(text: &str, errors: Vec<LexicalError>) -> Vec<Diagnostic> {
     merged.into_iter().map(|error| error.diagnostic).collect()
 }
 
-/// Maximum number of parses of a file. In the last one, no contracts or properties in comments are parsed.
+/// Maximum number of parses of one file. In the last one, no contracts and properties in comments are read.
 const MAX_ATTEMPTS: usize = 4;
 
-/// Lexes and parses a file, with the contracts and properties in comments. Those with errors are treated as comments.
+/// Splits a file into tokens and parses it, with the contracts and properties in comments. Contracts and properties
+/// with errors are treated as comments, and the file is parsed again.
 fn parse_with_claims(
     file: FileId,
     text: &str,
@@ -104,8 +105,8 @@ fn parse_with_claims(
     }
 }
 
-/// Returns whether an error of the lexer needs no diagnostic, as one of the reported statements of other languages
-/// explains it. The statements are in text order.
+/// Returns whether an error of the lexer needs no diagnostic, because it lies in a reported statement of another
+/// language. `places` are these statements in text order.
 fn is_explained(places: &[Span], error: &LexicalError) -> bool {
     if !error.kind.is_explained_by_foreign_statement() {
         return false;
@@ -116,10 +117,10 @@ fn is_explained(places: &[Span], error: &LexicalError) -> bool {
     place.is_some_and(|place| at.end <= place.end)
 }
 
-/// Parts of the text that form no complete token: unknown characters, and comments and strings without an end.
+/// Parts of the text that are missing from the tokens: unknown characters, and comments and strings without an end.
 struct LexicalGaps<'t> {
     text: &'t str,
-    /// Spans of the gaps, in text order.
+    /// Spans of the missing parts, in text order.
     spans: Vec<Span>,
 }
 
@@ -130,7 +131,8 @@ impl LexicalGaps<'_> {
         LexicalGaps { text, spans }
     }
 
-    /// Returns whether a label of the diagnostic lies next to a gap, whose own diagnostic explains the error.
+    /// Returns whether a label of the diagnostic lies next to a part that is missing from the tokens. That part's own
+    /// diagnostic then explains the error.
     fn explains(&self, diagnostic: &Diagnostic) -> bool {
         let mut places = diagnostic.labels.iter().map(|label| label.span);
         !self.spans.is_empty() && places.any(|place| self.is_beside_gap(place))
@@ -150,7 +152,7 @@ impl LexicalGaps<'_> {
     }
 }
 
-/// Maximum number of errors reported for one file.
+/// Maximum number of errors reported for one file. Text after that is not parsed.
 const MAX_ERRORS: usize = 10_000;
 
 fn parse_items(

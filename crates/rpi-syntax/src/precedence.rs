@@ -11,18 +11,19 @@ use crate::context::ParseContext;
 use crate::ops::{Associativity, BinaryOp, PRECEDENCE_IF, PRECEDENCE_WHEN, Precedence, UnaryOp};
 use rpi_diag::Span;
 
-/// Prefix of an operand: unary operator, conversion, conditional or quantifier.
+/// Prefix of an operand: unary operator, conversion, `if ... else` or quantifier.
 pub(crate) enum Prefix {
     Unary(UnaryOp),
-    /// `int8 x`: the target type and its static arguments (the width of `sint@<25>`).
+    /// `int8 x`: the type of the result and its static arguments (the width of `sint@<25>`).
     Conversion(Ident, Vec<StaticArg>),
-    /// `if c then x else`: whether it is static (`with`), the condition, and the first branch.
+    /// `if c then x else`: true if it is written `with` (evaluated at compile time), then the condition and the value
+    /// if it is true.
     If(Box<(bool, Expr, Expr)>),
-    /// `forall (x: int)`: whether it is `forall` (not `exists`), and the bound variables.
+    /// `forall (x: int)`: true for `forall`, false for `exists`; and the bound variables.
     Quantifier(bool, Vec<VarDecl>),
 }
 
-/// Operand with its prefixes and their start offsets, outermost last.
+/// Operand with its prefixes, outermost last, each with the byte offset of its start.
 pub(crate) struct Term {
     prefixes: Vec<(Prefix, u32)>,
     operand: Expr,
@@ -36,20 +37,20 @@ impl Term {
         }
     }
 
-    /// Adds an outer prefix that begins at the byte offset `start`.
+    /// Adds a prefix around the operand and its present prefixes. The prefix begins at the byte offset `start`.
     pub(crate) fn with_prefix(mut self, prefix: Prefix, start: u32) -> Term {
         self.prefixes.push((prefix, start));
         self
     }
 }
 
-/// Expression under construction from operands and operators, whose end has not been reached.
+/// Expression that is being built from operands and operators by operator precedence.
 pub(crate) struct Chain {
     pending: Vec<PendingOperator>,
     last_operand: Expr,
 }
 
-/// Operator whose right operand is not complete yet.
+/// Operator whose right operand may still grow.
 enum PendingOperator {
     Binary { lhs: Expr, op: BinaryOp, span: Span },
     Prefix(Prefix, u32),
@@ -75,7 +76,7 @@ impl Chain {
         chain.push_prefixes(term.prefixes)
     }
 
-    /// Appends `op term`. `span` is the place of the operator.
+    /// Appends an operator and its right operand. `span` is the place of the operator.
     pub(crate) fn push(
         mut self,
         cx: &ParseContext<'_>,
@@ -92,7 +93,7 @@ impl Chain {
         self.push_prefixes(term.prefixes)
     }
 
-    /// Appends `when clock`.
+    /// Appends a sampling operator: `when clock`.
     pub(crate) fn push_when(mut self, cx: &ParseContext<'_>, clock: Clock) -> Chain {
         self.apply_while(cx, |waiting| waiting.level() > PRECEDENCE_WHEN);
         let span = self.last_operand.span.merge(clock.span);
@@ -105,7 +106,7 @@ impl Chain {
         self
     }
 
-    /// Applies all waiting operators and returns the expression.
+    /// Applies all pending operators and returns the whole expression.
     pub(crate) fn finish(mut self, cx: &ParseContext<'_>) -> Expr {
         self.apply_while(cx, |_| true);
         self.last_operand
@@ -118,8 +119,8 @@ impl Chain {
         self
     }
 
-    /// Applies the waiting operators of higher precedence than `op`, and those of equal precedence unless `op` is
-    /// right-associative. Reports chained comparisons.
+    /// Applies the pending operators of higher precedence than `op`, and those of equal precedence unless `op` is
+    /// right-associative. Reports chained comparisons such as `a < b < c`. `span` is the place of `op`.
     fn apply_stronger_than(&mut self, cx: &ParseContext<'_>, op: BinaryOp, span: Span) {
         self.apply_while(cx, |waiting| waiting.level() > op.precedence());
         if let (
@@ -149,7 +150,7 @@ impl Chain {
     }
 }
 
-/// Applies a waiting operator to its right operand.
+/// Returns the expression of a pending operator with its right operand.
 fn apply_operator(cx: &ParseContext<'_>, waiting: PendingOperator, rhs: Expr) -> Expr {
     match waiting {
         PendingOperator::Binary { lhs, op, span } => {

@@ -20,7 +20,7 @@ use lalrpop_util::ParseError;
 use rpi_diag::Diagnostic;
 use std::ops::Range;
 
-/// Parses the tokens of one declaration and appends its diagnostics.
+/// Parses the tokens of one declaration and appends its diagnostics. Always returns a node, which may be an error node.
 pub(crate) fn parse_item(
     cx: &ParseContext<'_>,
     lexemes: &[Lexeme],
@@ -37,7 +37,7 @@ pub(crate) fn parse_item(
     }
 }
 
-/// Creates the error node of a declaration, with the names that it seems to declare.
+/// Creates the error node for a declaration that cannot be parsed, with the names that it seems to declare.
 pub(crate) fn broken_item(cx: &ParseContext<'_>, lexemes: &[Lexeme]) -> Item {
     let kind = declared_kind(lexemes);
     let names = guessed_declarations::names_of_item(cx, lexemes);
@@ -53,7 +53,8 @@ pub(crate) fn broken_item(cx: &ParseContext<'_>, lexemes: &[Lexeme]) -> Item {
     declarations::item(cx, start, kind, end)
 }
 
-/// Returns the kind of declaration from its first keyword.
+/// Returns the kind of entity that a declaration declares, by its first keyword; `None` if no keyword of a declaration
+/// is first.
 fn declared_kind(lexemes: &[Lexeme]) -> Option<DeclaredKind> {
     use Token::*;
     Some(match lexemes.first()?.token {
@@ -68,7 +69,7 @@ fn declared_kind(lexemes: &[Lexeme]) -> Option<DeclaredKind> {
     })
 }
 
-/// Parses the tokens with the grammar, without recovery.
+/// Parses the tokens of one declaration with the grammar, without error recovery.
 fn parse_strict(cx: &ParseContext<'_>, lexemes: &[Lexeme]) -> Result<Item, SyntaxError> {
     let tokens = lexemes
         .iter()
@@ -104,27 +105,29 @@ fn syntax_error(lexemes: &[Lexeme], error: ParseError<u32, Token, ()>) -> Syntax
     }
 }
 
-/// Maximum number of syntax errors that are repaired in one declaration.
+/// Maximum number of syntax errors from which parsing recovers in one declaration.
 const MAX_ERRORS: usize = 200;
 
-/// Maximum number of tokens that are parsed again after repairs, summed over one declaration.
+/// Maximum number of tokens that are parsed again after repairs, summed over all repairs of one declaration.
 const MAX_REPARSED_TOKENS: usize = 1_000_000;
 
-/// State of the error recovery in one declaration.
+/// State of the error recovery in one declaration: repairs the tokens and parses again after each syntax error.
 struct Recovery<'c, 't, 'f> {
     cx: &'c ParseContext<'t>,
-    /// Tokens of the declaration as written.
+    /// Tokens of the declaration as written in the source.
     source_lexemes: &'c [Lexeme],
-    /// Tokens after the repairs so far.
+    /// Tokens of the declaration after the repairs so far.
     lexemes: Vec<Lexeme>,
     diagnostics: &'f mut Vec<Diagnostic>,
-    /// Number of tokens that may still be parsed again.
+    /// Number of tokens that may still be parsed again before recovery stops.
     token_budget: usize,
-    /// Index of the last phrase that was replaced by an error token.
+    /// Token index of the last phrase (statement, declaration or step) that was replaced by an error token; `None`
+    /// before the first.
     broken_at: Option<usize>,
-    /// Whether an error at the end of the declaration has been reported.
+    /// Whether a syntax error at the end of the declaration has been reported.
     end_reported: bool,
-    /// Reserved words that have been reported as used for names.
+    /// Reserved words that have been reported because the program uses them as names. Their further uses as names cause
+    /// no diagnostics.
     reserved_names: Vec<Token>,
 }
 
@@ -157,7 +160,8 @@ impl<'c, 't, 'f> Recovery<'c, 't, 'f> {
         }
     }
 
-    /// Repairs one error after the other until the declaration parses. Returns [`None`] if no repair applies.
+    /// Repairs one syntax error after the other until the declaration parses. Returns [`None`] if no repair applies or
+    /// a limit is reached.
     fn repair_all(&mut self, mut fault: SyntaxError) -> Option<Item> {
         for _ in 0..MAX_ERRORS {
             if !self.repair(&fault) || !self.cx.may_recover() {
@@ -175,7 +179,8 @@ impl<'c, 't, 'f> Recovery<'c, 't, 'f> {
         None
     }
 
-    /// Reports the error and repairs the tokens. Returns false if no repair applies.
+    /// Reports a syntax error and repairs the tokens, so that parsing can be repeated. Returns false if no repair
+    /// applies.
     fn repair(&mut self, fault: &SyntaxError) -> bool {
         if let Some(at) =
             reserved_words::find_reported_word(&self.reserved_names, &self.lexemes, fault.index)
@@ -231,7 +236,8 @@ impl<'c, 't, 'f> Recovery<'c, 't, 'f> {
         self.remove_phrase(phrase)
     }
 
-    /// Treats a reserved word as a name, here and wherever else the grammar rejects it.
+    /// Replaces the reserved word at token `at` by a name, and records the word so that its further uses as a name are
+    /// replaced too. Returns true.
     fn treat_as_name(&mut self, at: usize) -> bool {
         let word = &mut self.lexemes[at].token;
         self.reserved_names.push(*word);
@@ -239,7 +245,8 @@ impl<'c, 't, 'f> Recovery<'c, 't, 'f> {
         true
     }
 
-    /// Reports foreign syntax and applies its repair. `phrase` is the range that the usual repair removes.
+    /// Reports foreign syntax and repairs the tokens. `phrase` is the token range that the default repair removes.
+    /// Returns whether parsing can be repeated.
     fn apply_foreign(&mut self, construct: ForeignSyntax, phrase: Range<usize>) -> bool {
         self.diagnostics.push(construct.diagnostic);
         match construct.repair {
@@ -255,13 +262,14 @@ impl<'c, 't, 'f> Recovery<'c, 't, 'f> {
         }
     }
 
-    /// Returns whether only the `;` of a removed phrase is missing.
+    /// Returns whether the syntax error is only a missing `;` after an error token.
     fn lacks_semi_after_error(&self, fault: &SyntaxError) -> bool {
         let before = fault.index.checked_sub(1).map(|i| self.lexemes[i].token);
         before == Some(Token::Broken) && fault.expected.contains(&Token::Semi)
     }
 
-    /// Removes the block around a removed phrase, where the grammar does not accept an error token.
+    /// Removes the block that contains the last error token, if the grammar does not accept an error token there.
+    /// Returns false if there is no such block.
     fn remove_enclosing_block(&mut self) -> bool {
         let structure = TokenTree::new(&self.lexemes);
         match self.broken_at.and_then(|at| structure.inner_parent(at)) {
@@ -270,7 +278,8 @@ impl<'c, 't, 'f> Recovery<'c, 't, 'f> {
         }
     }
 
-    /// Inserts the closing keywords of the bodies that are still open at the end of the declaration.
+    /// Inserts the closing keywords of the bodies that are still open at the end of the declaration. Returns false if
+    /// an incomplete phrase before them cannot be removed.
     fn close_bodies(&mut self) -> bool {
         let structure = TokenTree::new(&self.lexemes);
         let cut = structure.incomplete_phrase_start();
@@ -288,7 +297,8 @@ impl<'c, 't, 'f> Recovery<'c, 't, 'f> {
         true
     }
 
-    /// Replaces a phrase by an error token that defines its names. Returns false if there is nothing to replace.
+    /// Replaces a phrase (token range of a statement, declaration or step) by an error token with the names that it
+    /// seems to define. Returns false if there is nothing to replace.
     fn remove_phrase(&mut self, mut phrase: Range<usize>) -> bool {
         // An empty phrase before a `;` has no token to replace; a stray `tel` or `end` is replaced itself.
         let closes = |lexeme: &Lexeme| lexeme.token != Token::Semi;
@@ -309,7 +319,8 @@ impl<'c, 't, 'f> Recovery<'c, 't, 'f> {
         self.remove_phrase_defining(phrase, names)
     }
 
-    /// Replaces a phrase by an error token that defines `names`.
+    /// Replaces a phrase (token range of a statement, declaration or step) by an error token with the given names.
+    /// Returns false if the range begins past the last token.
     fn remove_phrase_defining(&mut self, phrase: Range<usize>, names: Vec<Ident>) -> bool {
         let Some(first) = self.lexemes.get(phrase.start).copied() else {
             return false;
@@ -330,7 +341,7 @@ impl<'c, 't, 'f> Recovery<'c, 't, 'f> {
         true
     }
 
-    /// Returns whether the error token before index `after` needs a `;`.
+    /// Returns whether the grammar needs a `;` after the error token that precedes the index `after`.
     fn needs_semi(&self, after: usize) -> bool {
         match self.lexemes.get(after).map(|lexeme| lexeme.token) {
             Some(Token::Semi) => false,
@@ -339,13 +350,13 @@ impl<'c, 't, 'f> Recovery<'c, 't, 'f> {
         }
     }
 
-    /// Inserts a token without text before index `at`.
+    /// Inserts an empty token before index `at`.
     fn insert(&mut self, at: usize, token: Token) {
         let place = at.checked_sub(1).map_or(0, |i| self.lexemes[i].end);
         self.lexemes.insert(at, inserted_token(token, place));
     }
 
-    /// Parses the body of a declaration whose header has an error, only for its diagnostics.
+    /// Parses the body of a declaration whose header could not be repaired, only to report the errors in the body.
     fn parse_body(self) {
         let is_let = |lexeme: &Lexeme| lexeme.token == Token::Let;
         let Some(body) = self.source_lexemes.iter().position(is_let) else {
@@ -368,7 +379,7 @@ impl<'c, 't, 'f> Recovery<'c, 't, 'f> {
     }
 }
 
-/// Creates a token without text at byte offset `place`.
+/// Creates an empty token at byte offset `place`.
 fn inserted_token(token: Token, place: u32) -> Lexeme {
     Lexeme {
         token,

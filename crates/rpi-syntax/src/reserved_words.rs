@@ -7,8 +7,8 @@ use crate::token::Token;
 use rpi_diag::{Code, Diagnostic, Fix};
 
 impl ErrorContext<'_, '_> {
-    /// Reports a reserved word at the syntax error that is used as a name. Returns [`None`] if the grammar expects no
-    /// name, or if the word is more likely meant as a keyword.
+    /// Returns a diagnostic for a reserved word at the syntax error that the program uses as a name. Returns [`None`]
+    /// if the grammar expects no name, or if the word is more likely meant as a keyword.
     pub(crate) fn reserved_as_name(&self) -> Option<Diagnostic> {
         use Token::{Colon, Comma, Eq, Int, LParen, Let, Tel, Then, When};
         let here = self.lexemes.get(self.error.index)?;
@@ -45,8 +45,10 @@ impl ErrorContext<'_, '_> {
         }
     }
 
-    /// Returns a fix that renames every use of the word as a name in the declaration. Returns [`None`] for keywords
-    /// that are values or types: they are also valid where a name is, so their uses cannot be distinguished.
+    /// Returns a fix that renames the reserved word `here` at all its uses as a name in the declaration.
+    ///
+    /// Returns [`None`] for keywords that are values or types. They are also valid in the places of names, so their
+    /// uses as names cannot be recognised.
     fn rename_fix(&self, here: Lexeme) -> Option<Fix> {
         use Token::{BoolType, False, IntType, RealType, True};
         let is_value = matches!(here.token, BoolType | False | IntType | RealType | True);
@@ -66,7 +68,7 @@ impl ErrorContext<'_, '_> {
         }))
     }
 
-    /// Returns whether the neighbouring tokens allow a name at this token.
+    /// Returns whether the tokens around the index `at` allow a name there.
     fn may_be_name(&self, at: usize) -> bool {
         use Token::{Dot, Ident, Int, Minus, Path, RBracket, RParen, Real};
         let token = |at: usize| self.lexemes.get(at).map(|lexeme| lexeme.token);
@@ -84,8 +86,8 @@ impl ErrorContext<'_, '_> {
     }
 }
 
-/// Returns the index of a token, at the error or directly before it, that is one of the words already reported
-/// as names.
+/// Returns the token index of a word in `reported`, at the syntax error `fault` or directly before it; `None` if there
+/// is none. `reported` lists the reserved words already reported as names.
 pub(crate) fn find_reported_word(
     reported: &[Token],
     lexemes: &[Lexeme],

@@ -2,7 +2,8 @@
 
 use crate::ast::*;
 
-/// Returns the `const` in-ports of a node that occur in the size of a port or local, as constant definitions.
+/// Returns the `const` in-ports of a node that occur in the array size of a port or local, as constant definitions
+/// without values.
 pub(crate) fn size_params(signature: &Signature, definition: &NodeDef) -> Vec<ConstDef> {
     let inputs = signature.inputs.as_deref().unwrap_or_default();
     if !inputs.iter().any(|port| port.is_const) {
@@ -39,7 +40,7 @@ pub(crate) fn size_params(signature: &Signature, definition: &NodeDef) -> Vec<Co
     sizes
 }
 
-/// Returns whether an array size in the type refers to the name.
+/// Returns whether an array size in the type `ty` refers to the name.
 fn size_mentions(ty: &Type, name: &Name) -> bool {
     match &ty.kind {
         TypeKind::Array(array) => {

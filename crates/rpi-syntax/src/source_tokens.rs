@@ -7,27 +7,27 @@ use crate::token::Token;
 use rpi_diag::FileId;
 use std::ops::Range;
 
-/// Token or comment of a text.
+/// Token or comment of a source text, for syntax highlighting.
 #[derive(Clone, PartialEq, Eq, Debug)]
 pub struct SourceToken {
-    /// Kind of the token or comment.
+    /// Class of the token, or kind of the comment.
     pub kind: SourceTokenKind,
-    /// Byte range in the text.
+    /// Byte range of the token in the source text.
     pub range: Range<usize>,
 }
 
-/// Class of a token in the source, as editors colour it.
+/// Class of a token or comment, for syntax highlighting.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub enum SourceTokenKind {
-    /// Plain or qualified name.
+    /// Plain or qualified name, such as `x` or `motion::Move`.
     Name,
     /// Reserved word, operator or punctuation mark.
     KeywordOrSymbol,
-    /// Number literal.
+    /// Literal of an integer or real.
     Number,
-    /// String literal.
+    /// Text in double quotes.
     String,
-    /// Comment, by its syntax.
+    /// Comment of the given kind.
     Comment(CommentKind),
 }
 

@@ -10,25 +10,25 @@ use crate::token::{KEYWORDS, Keyword, KeywordContext, Token};
 use rpi_diag::suggest;
 use std::ops::Range;
 
-/// Range of tokens that is parsed as one declaration.
+/// Range of tokens that is parsed as one declaration, or reported as text outside of declarations.
 #[derive(Debug, PartialEq, Eq)]
 pub(crate) struct Chunk {
-    /// Range of token indices.
+    /// Range of token indices that the chunk covers.
     pub(crate) range: Range<usize>,
     /// Classification of the first token of the chunk.
     pub(crate) kind: ChunkKind,
 }
 
-/// Classification of the first token of a [`Chunk`].
+/// Class of a [`Chunk`], by its first token.
 #[derive(Debug, PartialEq, Eq)]
 pub(crate) enum ChunkKind {
-    /// The token is the keyword of a declaration.
+    /// The first token is the keyword of a declaration.
     Declaration,
-    /// The token is a name in place of such a keyword; with the keyword that it resembles, if any.
+    /// The first token is a name in the place of a keyword, with the keyword that it resembles, if any.
     Misspelt(Option<Token>),
-    /// The token begins a package or model of Lustre V6. The chunk extends to the end of the file.
+    /// The first token begins a package or model of Lustre V6. The chunk extends to the end of the file.
     Package,
-    /// The token is any other one, which begins no declaration.
+    /// The first token is any other one, with which no declaration begins.
     Stray,
 }
 
@@ -56,13 +56,13 @@ struct Splitter<'t> {
     lexemes: &'t [Lexeme],
     dialect: Dialect,
     chunks: Vec<Chunk>,
-    /// Number of open `let` in the current chunk.
+    /// Number of `let` in the current chunk whose `tel` has not been read.
     open_lets: u32,
-    /// Number of open brackets in the current body.
+    /// Number of brackets that are open in the current header or body, including `<<`.
     open_brackets: u32,
-    /// Number of open `<<` among them.
+    /// Number of `<<` among the open brackets.
     open_statics: u32,
-    /// Whether a contract is open in the current chunk.
+    /// Whether a contract is open: its `con` has been read, but not its `noc`.
     in_contract: bool,
     /// Whether the body of the current chunk is closed, or there is no chunk yet.
     is_complete: bool,
@@ -77,7 +77,7 @@ impl Splitter<'_> {
         self.count_open(at);
     }
 
-    /// Returns the classification of the token if it begins a chunk.
+    /// Returns the class of the chunk that begins at token `at`; `None` if the token continues the current chunk.
     fn chunk_kind(&self, at: usize) -> Option<ChunkKind> {
         if self.in_package() {
             return None;
@@ -134,7 +134,7 @@ impl Splitter<'_> {
         }
     }
 
-    /// Updates the counts of open bodies and brackets.
+    /// Updates the counts of open bodies and brackets for the token at index `at`.
     fn count_open(&mut self, at: usize) {
         use Token::{
             Con, LBrace, LBracket, LParen, LStatic, Let, Noc, RBrace, RBracket, RParen, RStatic,
@@ -184,20 +184,21 @@ impl Splitter<'_> {
             }
     }
 
-    /// Returns whether a keyword is used as a name: `var node: int`, `y = type + 1`.
+    /// Returns whether the keyword at token `at` is used as a name: `var node: int`, `y = type + 1`.
     fn is_used_as_name(&self, at: usize) -> bool {
         let next = self.token_at(at + 1);
         !self.is_complete && next.is_some_and(follows_name)
     }
 
-    /// Returns whether a keyword begins a static parameter or argument: `<<const n: int; node f (...) returns (...)>>`.
+    /// Returns whether the keyword at token `at` begins a static parameter or argument:
+    /// `<<const n: int; node f (...) returns (...)>>`.
     fn begins_static_param(&self, at: usize) -> bool {
         use Token::{Comma, LStatic, Semi};
         let before = at.checked_sub(1).and_then(|i| self.token_at(i));
         self.open_statics > 0 && matches!(before, Some(LStatic | Comma | Semi))
     }
 
-    /// Returns whether the token follows a modifier: `unsafe`, `extern`, `opaque` or `transparent`.
+    /// Returns whether the token at index `at` follows a modifier: `unsafe`, `extern`, `opaque` or `transparent`.
     fn follows_modifier(&self, at: usize) -> bool {
         let before = at.checked_sub(1).and_then(|i| self.token_at(i));
         matches!(
@@ -206,7 +207,7 @@ impl Splitter<'_> {
         )
     }
 
-    /// Returns whether a `const` is a local of the current declaration, whose body has not begun.
+    /// Returns whether the `const` at token `at` declares a local constant in the header of the current declaration.
     fn is_local_const(&self, at: usize) -> bool {
         let chunk = self.chunks.last().filter(|_| !self.is_complete);
         let head = chunk.and_then(|chunk| self.token_at(chunk.range.start));
@@ -219,7 +220,8 @@ impl Splitter<'_> {
         self.in_contract || !self.begins_line(at) || first == Some(Token::Let)
     }
 
-    /// Returns whether two names in a row begin a declaration with a misspelt or foreign keyword: `comand MoveToC`.
+    /// Returns whether token `at` and the next one are two names with which a declaration begins whose keyword is
+    /// misspelt or from another language: `comand MoveToC`.
     fn begins_unknown_declaration(&self, at: usize) -> bool {
         use Token::{Dot, Ident, Path, Semi, Str, Tel};
         let before = at.checked_sub(1).and_then(|i| self.token_at(i));
@@ -231,7 +233,8 @@ impl Splitter<'_> {
             && matches!(self.token_at(at + 1), Some(Ident | Path | Str))
     }
 
-    /// Returns whether the current declaration may end at a `;` and the previous token is one.
+    /// Returns whether the current declaration may end before the current token: it has no body, and `before` is its
+    /// `;`.
     fn may_have_ended(&self, before: Option<Token>) -> bool {
         use Token::{Const, Frame, Include, Primitive, Type, Use};
         let head = self
@@ -242,7 +245,7 @@ impl Splitter<'_> {
         flat && self.open_brackets == 0 && before == Some(Token::Semi)
     }
 
-    /// Returns whether the token is a contextual keyword that was taken for a name because no name follows:
+    /// Returns whether token `at` is a declaration keyword that was taken for a name because no name follows:
     /// `command (arm: Arm)`.
     fn is_unresolved_keyword(&self, at: usize) -> bool {
         let is_name = self.is_complete && self.token_at(at) == Some(Token::Ident);
@@ -252,7 +255,7 @@ impl Splitter<'_> {
                 .any(|word| word.text == self.source_text(at))
     }
 
-    /// Returns the keyword of a declaration that the name is, or resembles.
+    /// Returns the declaration keyword that the name at token `at` is or resembles; `None` if there is none.
     fn intended_keyword(&self, at: usize) -> Option<Token> {
         let texts = self.declaration_keywords().map(|word| word.text);
         let written = self.source_text(at);
@@ -268,7 +271,7 @@ impl Splitter<'_> {
             .map(|word| word.token)
     }
 
-    /// Returns the keywords that begin declarations in this mode.
+    /// Returns the keywords that begin declarations in the dialect of the file.
     fn declaration_keywords(&self) -> impl Iterator<Item = &'static Keyword> {
         let mode = self.dialect;
         KEYWORDS
@@ -291,7 +294,7 @@ impl Splitter<'_> {
     }
 }
 
-/// Returns whether the keyword begins declarations.
+/// Returns whether the token is a keyword with which declarations begin.
 pub(crate) fn begins_declaration(token: Token) -> bool {
     use Token::{Const, Extern, Function, Include, Node, Type, Unsafe};
     match token.keyword() {
@@ -306,7 +309,7 @@ pub(crate) fn begins_declaration(token: Token) -> bool {
     }
 }
 
-/// Returns whether the token may follow a name but never the keyword of a declaration.
+/// Returns whether the token may follow a name but never a declaration keyword.
 pub(crate) fn follows_name(token: Token) -> bool {
     use Token::{
         And, Arrow, Colon, Comma, Dot, Else, Eq, Ge, Gt, Le, Lt, Minus, Ne, Or, Plus, RBracket,
@@ -337,7 +340,7 @@ pub(crate) fn follows_name(token: Token) -> bool {
     )
 }
 
-/// Returns whether a declaration with this keyword may have local declarations before its `let`.
+/// Returns whether a declaration that begins with this keyword may have local declarations before its `let`.
 fn takes_locals(head: Token) -> bool {
     use Token::{Command, Fragment, Function, Node, Opaque, Test, Transparent, Unsafe};
     matches!(

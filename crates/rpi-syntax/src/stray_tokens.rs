@@ -8,7 +8,7 @@ use crate::recover;
 use crate::token::Token;
 use rpi_diag::{Code, Diagnostic, Fix};
 
-/// Keywords of other languages that begin declarations, with the corresponding RPI keyword. Compared without case.
+/// Keywords of other languages that begin declarations, in lower case, each with the corresponding RPI keyword.
 const FOREIGN_KEYWORDS: &[(&str, Token)] = &[
     ("block", Token::Node),
     ("class", Token::Node),
@@ -32,15 +32,15 @@ const FOREIGN_KEYWORDS: &[(&str, Token)] = &[
     ("subsystem", Token::Node),
 ];
 
-/// Returns the RPI keyword that corresponds to a declaration keyword of another language.
+/// Returns the RPI keyword that corresponds to a declaration keyword of another language; `None` for other words.
 pub(crate) fn corresponding_keyword(written: &str) -> Option<Token> {
     let mut words = FOREIGN_KEYWORDS.iter();
     let found = words.find(|(word, _)| written.eq_ignore_ascii_case(word));
     found.map(|(_, meant)| *meant)
 }
 
-/// Reports a name that resembles the keyword `word`, at the start of a declaration. Returns [`None`] if the name is
-/// that keyword.
+/// Reports the name at the start of a declaration, which resembles the keyword `word`. Returns [`None`] if the name is
+/// spelt like the keyword.
 pub(crate) fn misspelt_keyword(
     cx: &ParseContext<'_>,
     name: Lexeme,
@@ -57,13 +57,25 @@ pub(crate) fn misspelt_keyword(
     .fix(Fix::maybe(format!("write `{meant}`")).replace(span, meant));
     let diagnostic = match corresponding_keyword(written) {
         Some(_) => diagnostic
+            .help(declaration_help(cx, name, meant))
             .help("a `node` may have state, a `function` has none, and a `command` moves devices"),
         None => diagnostic,
     };
     (written != meant).then_some(diagnostic)
 }
 
-/// Reports a package or model of Lustre V6, which is not supported.
+/// Returns the form of a node or function with the declared name, for a declaration keyword of another language.
+fn declaration_help(cx: &ParseContext<'_>, keyword: Lexeme, meant: &str) -> String {
+    let rest = cx.text[keyword.end as usize..].trim_start();
+    let end = rest.find(|c: char| !c.is_alphanumeric() && c != '_');
+    let name = match &rest[..end.unwrap_or(rest.len())] {
+        "" => "F",
+        name => name,
+    };
+    format!("a {meant} is written `{meant} {name} (x: real) returns (y: real) let y = ...; tel`")
+}
+
+/// Reports a package or model of Lustre V6, which RPI does not support. `word` is its first token.
 pub(crate) fn unsupported_package(cx: &ParseContext<'_>, word: Lexeme) -> Diagnostic {
     let written = cx.slice(word.start, word.end);
     Diagnostic::new(
@@ -84,7 +96,8 @@ pub(crate) fn is_type_without_keyword(lexemes: &[Lexeme]) -> bool {
     matches!(shape[..], [Enum | Struct, Ident, LBrace])
 }
 
-/// Reports a type declaration without `type` and parses it. Tokens after the type are reported as stray.
+/// Reports a type declaration that begins with `enum` or `struct` instead of `type`, and parses it. Reports tokens
+/// after it as outside of declarations.
 pub(crate) fn parse_type_without_keyword(
     cx: &ParseContext<'_>,
     lexemes: &[Lexeme],
@@ -137,7 +150,13 @@ pub(crate) fn parse_type_without_keyword(
     item
 }
 
-/// First keywords (in lower case) of top-level constructs of other languages, with a help text on the RPI equivalent.
+/// Words of other languages that import a module.
+const IMPORT_KEYWORDS: &[&str] = &[
+    "import", "from", "using", "open", "require", "uses", "load", "with",
+];
+
+/// First words (in lower case) of top-level constructs in other languages, with help texts that show the RPI
+/// equivalents.
 const FOREIGN_TOP_LEVEL: &[(&[&str], &str)] = &[
     (
         &[
@@ -201,7 +220,8 @@ const FOREIGN_TOP_LEVEL: &[(&[&str], &str)] = &[
     ),
 ];
 
-/// Returns the help text on the RPI equivalent of a top-level keyword of another language.
+/// Returns a help text on the RPI equivalent of a construct that begins with a word of another language; `None` for
+/// other words.
 fn top_level_help(word: &str) -> Option<&'static str> {
     let word = word.to_ascii_lowercase();
     let found = FOREIGN_TOP_LEVEL
@@ -210,7 +230,8 @@ fn top_level_help(word: &str) -> Option<&'static str> {
     found.map(|(_, help)| *help)
 }
 
-/// Returns an error node that declares the name of a C `typedef` or function, so that its uses cause no errors.
+/// Returns an error node that declares the name of a `typedef` or function of C, so that uses of the name cause no
+/// errors. `None` if the tokens are neither.
 pub(crate) fn c_declaration(cx: &ParseContext<'_>, lexemes: &[Lexeme]) -> Option<Item> {
     use Token::{BoolType, Ident, IntType, LParen, RealType, Semi};
     let token = |at: usize| lexemes.get(at).map(|lexeme| lexeme.token);
@@ -233,7 +254,7 @@ pub(crate) fn c_declaration(cx: &ParseContext<'_>, lexemes: &[Lexeme]) -> Option
     Some(declarations::item(cx, lexemes[0].start, kind, end))
 }
 
-/// Reports any other tokens outside of declarations (RPI0010). `before` is the preceding token.
+/// Reports tokens outside of declarations (RPI0010). `before` is the token before the first of them.
 pub(crate) fn stray_tokens(
     cx: &ParseContext<'_>,
     before: Option<Lexeme>,
@@ -247,6 +268,9 @@ pub(crate) fn stray_tokens(
     if first.token == Token::Tel {
         return diagnostic.primary(span, "no body is open here");
     }
+    if IMPORT_KEYWORDS.contains(&&*written.to_ascii_lowercase()) {
+        return foreign_import(cx, lexemes);
+    }
     let diagnostic = diagnostic.primary(span, "no declaration begins like this");
     let closes_body = |lexeme: &Lexeme| lexeme.token == Token::Tel;
     match before.filter(closes_body) {
@@ -258,8 +282,46 @@ pub(crate) fn stray_tokens(
             cx.suppress_foreign_operators(cx.span(first.start, lexemes[lexemes.len() - 1].end));
             diagnostic.help(top_level_help(written).unwrap_or_default())
         }
-        _ => diagnostic.help(
-            "equations are written between `let` and `tel` in a node, fragment, command or test",
-        ),
+        _ => with_equation_help(cx, diagnostic, lexemes),
     }
+}
+
+/// Adds the place of equations, and the form of a constant if the tokens are an equation: `speed = 250[mm/s];`.
+fn with_equation_help(
+    cx: &ParseContext<'_>,
+    diagnostic: Diagnostic,
+    lexemes: &[Lexeme],
+) -> Diagnostic {
+    let diagnostic = diagnostic
+        .help("equations are written between `let` and `tel` in a node, fragment, command or test");
+    let shape: Vec<Token> = lexemes.iter().take(2).map(|lexeme| lexeme.token).collect();
+    if shape[..] != [Token::Ident, Token::Eq] {
+        return diagnostic;
+    }
+    let first = lexemes[0];
+    let name = cx.slice(first.start, first.end);
+    diagnostic.fix(
+        Fix::maybe(format!("make `{name}` a constant"))
+            .insert_before(cx.span(first.start, first.end), "const "),
+    )
+}
+
+/// Reports an import of another language: `import motion;`.
+fn foreign_import(cx: &ParseContext<'_>, lexemes: &[Lexeme]) -> Diagnostic {
+    let (first, last) = (lexemes[0], lexemes[lexemes.len() - 1]);
+    cx.suppress_foreign_operators(cx.span(first.start, last.end));
+    let span = cx.span(first.start, first.end);
+    let written = cx.slice(first.start, first.end);
+    let diagnostic = Diagnostic::new(Code::RPI0010, "a module is imported by `use`")
+        .primary(span, format!("`{written}` is from another language"));
+    let shape: Vec<Token> = lexemes.iter().take(3).map(|lexeme| lexeme.token).collect();
+    if !matches!(shape[..], [_, Token::Ident, Token::Semi]) {
+        return diagnostic.help("`use motion;` imports a module: the file `motion.rpi` or a module of the standard library");
+    }
+    let module = cx.slice(lexemes[1].start, lexemes[1].end);
+    diagnostic
+        .help(format!(
+            "`use {module};` imports the file `{module}.rpi` or the module `{module}` of the standard library"
+        ))
+        .fix(Fix::maybe("write `use`").replace(span, "use"))
 }

@@ -1,7 +1,7 @@
 //! String literals: conversion between source text and content.
 
-/// Returns the content of a literal: without quotes, with escapes resolved. A missing closing quote is accepted, as the
-/// lexer has reported it.
+/// Returns the content of a string literal, without quotes and with escapes resolved. A missing closing quote is
+/// accepted, as the lexer has reported it.
 ///
 /// Escapes are `\"`, `\\`, `\n`, `\t` and `\r`; any other escaped character denotes itself.
 pub(crate) fn unquote(literal: &str) -> String {
@@ -27,7 +27,7 @@ fn unescape(c: char) -> char {
     }
 }
 
-/// Returns the literal with this content, quoted and escaped.
+/// Returns a string literal with the given content, in quotes and with escapes.
 pub(crate) fn quote(content: &str) -> String {
     let mut literal = String::with_capacity(content.len() + 2);
     literal.push('"');

@@ -9,7 +9,7 @@ use logos::Logos;
 use std::collections::HashMap;
 use std::sync::OnceLock;
 
-/// Context in which a word is a keyword. In any other context it is a name.
+/// Context in which a word is a keyword. In other contexts the word is a name.
 ///
 /// A contextual keyword is always a name after `.` and before `=`, `:`, `,` and `)`.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
@@ -26,27 +26,28 @@ pub enum KeywordContext {
     AfterOperand,
     /// The word is a keyword before a name, or where an operator is possible.
     BeforeNameOrAfterOperand,
-    /// The word is a keyword where an operator is possible, or at the start of a statement.
+    /// The word is a keyword where an operator is possible (after a name, a literal or a closing bracket), or at the
+    /// start of a statement.
     AfterOperandOrStatement,
     /// The word is a keyword after `|`, `unless` or `until`.
     TransitionAlternative,
-    /// The word is a keyword before a name, if an operator is possible or `|` precedes.
+    /// The word is a keyword before a name, if a name, a literal, a closing bracket or `|` precedes it.
     Branch,
     /// The word is a keyword before a bracket with variable declarations: `(x: int`, `{ x: int`.
     Binder,
-    /// The word is a keyword before the operand of a conversion, unless a type is expected.
+    /// The word is a keyword before the operand of a conversion, except where a type is expected.
     Conversion,
     /// The word is a keyword before an operand, if no operand precedes; in Lustre everywhere.
     Prefix,
     /// The word is a keyword before a name, before another operand if no operand precedes, and before a value in
-    /// parentheses followed by cases.
+    /// parentheses that is followed by cases.
     MatchExpr,
 }
 
-/// Row of the keyword table.
+/// Row of the keyword table: a keyword with its dialects and context.
 #[derive(Debug)]
 pub struct Keyword {
-    /// Spelling in source text.
+    /// Spelling of the keyword in source text.
     pub text: &'static str,
     /// Whether the word is a keyword in `.lus` files.
     pub in_lustre: bool,
@@ -56,7 +57,7 @@ pub struct Keyword {
     pub context: KeywordContext,
     /// Short description for the language reference and editors.
     pub doc: &'static str,
-    /// Token of the keyword.
+    /// Token that the lexer returns for the keyword.
     pub(crate) token: Token,
 }
 
@@ -83,7 +84,7 @@ impl Keyword {
 macro_rules! tokens {
     (words { $($word:ident $text:tt $mode:ident $place:ident $doc:literal;)* }
      signs { $($sign:ident $sign_text:tt;)* }) => {
-        /// Class of a lexeme: a keyword, a symbol, a literal or a name.
+        /// Class of a token: a keyword, a symbol, a literal, a name or a comment.
         #[derive(Logos, Clone, Copy, PartialEq, Eq, Debug)]
         #[logos(skip r"[ \t\r\n\f\u{feff}]+")]
         pub(crate) enum Token {
@@ -97,7 +98,8 @@ macro_rules! tokens {
             #[regex(r"[0-9]+")]
             #[regex(r"0[xX][0-9a-fA-F]+")]
             Int,
-            /// Number and range operator in one, `0..` of `0..3`, which is not a real number; the lexer splits it.
+            /// Number directly followed by the range operator: `0..` in `0..3`. The lexer splits it, so that `0.` is
+            /// not read as a real number.
             #[regex(r"[0-9]+\.\.")]
             IntDotDot,
             #[regex(r"([0-9]+\.[0-9]*|\.[0-9]+)([eE][+-]?[0-9]+)?|[0-9]+[eE][+-]?[0-9]+")]
@@ -120,13 +122,13 @@ macro_rules! tokens {
             OpenStr,
             #[regex(r"--[^\n]*", allow_greedy = true)]
             LineComment,
-            /// Two slashes, `//`; the lexer decides whether a comment begins here.
+            /// Two slashes: `//`. The lexer decides whether a comment begins there.
             #[token("//")]
             SlashComment,
             #[token("(*", |lexer| skip_block_comment(lexer, "*)"))]
             #[token("/*", |lexer| skip_block_comment(lexer, "*/"))]
             BlockComment,
-            /// Block comment without an end.
+            /// Block comment whose end marker is missing.
             OpenComment,
             /// String that names a claim: `assume "sensor range" x < 5.0`.
             Label,
@@ -136,8 +138,7 @@ macro_rules! tokens {
             /// Start of a tuple of Kind 2: `'(`.
             #[token("'(")]
             TickParen,
-            /// The word `if` at the start of a block of equations (Kind 2). This and the next tokens replace keywords
-            /// in such blocks.
+            /// The word `if` at the start of a block of equations (Kind 2): `if c then x = 1; else x = 2; fi`.
             IfBlock,
             /// The word `when` at the start of a block of equations (Kind 2): `when c then ... end`.
             WhenBlock,
@@ -149,9 +150,9 @@ macro_rules! tokens {
             ElsIf,
             /// The word `else` or `otherwise` before the last branch of a block of equations (Kind 2).
             ElseBlock,
-            /// The word `fi`, or `end` of a block of equations or a `match` (Kind 2).
+            /// The word `fi` or `end` at the end of a block of equations or a `match` (Kind 2).
             EndBlock,
-            /// The sign `|` before an alternative of a block of equations or a `match` (Kind 2).
+            /// The sign `|` before an alternative in a `cond` block or a `match` (Kind 2).
             Case,
             /// The sign `?` of a constructor test, `A?(x)` (Kind 2).
             Asks,
@@ -159,11 +160,11 @@ macro_rules! tokens {
             Becomes,
             /// The comment mark `--%PROPERTY` before a property (Kind 2).
             Property,
-            /// Token that replaces a phrase with an error that has been reported.
+            /// Token that replaces a phrase (statement, declaration or step) whose syntax error has been reported.
             Broken,
         }
 
-        /// All keywords, contextual ones included, grouped by context.
+        /// All keywords of both dialects, contextual ones included.
         pub const KEYWORDS: &[Keyword] = &[$(Keyword {
             text: $text,
             in_lustre: tokens!(@in_lustre $mode),
@@ -317,13 +318,13 @@ tokens! {
 }
 
 impl Token {
-    /// Returns the row of the keyword table, if the token is a keyword.
+    /// Returns the row of the keyword table; `None` if the token is no keyword.
     pub(crate) fn keyword(self) -> Option<&'static Keyword> {
         // The keywords are the first variants, in the order of the table; a test checks this.
         KEYWORDS.get(self as usize)
     }
 
-    /// Returns the keyword or symbol with this spelling.
+    /// Returns the keyword or symbol with this spelling; `None` if there is none.
     pub(crate) fn from_spelling(text: &str) -> Option<Token> {
         static SPELLED: OnceLock<HashMap<&str, Token, BuildNameHasher>> = OnceLock::new();
         let spelled = SPELLED.get_or_init(|| {
@@ -344,7 +345,8 @@ impl Token {
     }
 }
 
-/// Returns whether a text is a valid plain name in files of this dialect. Importers must check the names they create.
+/// Returns whether a text is a valid unqualified name in files of this dialect. Code that creates names must check
+/// them.
 ///
 /// Contextual keywords are valid names, but generated names should avoid them: see [`KEYWORDS`].
 pub fn is_name(text: &str, mode: Dialect) -> bool {
@@ -356,7 +358,7 @@ pub fn is_name(text: &str, mode: Dialect) -> bool {
     whole && lexer.span() == (0..text.len())
 }
 
-/// Consumes the rest of a block comment, up to the marker `end`.
+/// Reads the rest of a block comment, up to the marker `end`. Returns [`Token::OpenComment`] if the marker is missing.
 fn skip_block_comment(lexer: &mut logos::Lexer<'_, Token>, end: &str) -> Token {
     match lexer.remainder().find(end) {
         Some(at) => {

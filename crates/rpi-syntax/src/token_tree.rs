@@ -7,12 +7,15 @@ use crate::lexer::Lexeme;
 use crate::token::Token;
 use std::ops::Range;
 
-/// Nesting of the brackets and blocks in the tokens of one declaration.
+/// Nesting of the brackets and blocks in the tokens of one declaration. A phrase is a statement, step, parameter or
+/// other element of a list in it.
 pub(crate) struct TokenTree<'t> {
     lexemes: &'t [Lexeme],
-    /// For each opening or closing token, the index of its partner.
+    /// For each token that opens or closes a bracket or block, the index of its partner; `None` for other tokens and
+    /// without a partner.
     partners: Vec<Option<usize>>,
-    /// For each token, the index of the innermost enclosing opening token that has a partner or is a `let`.
+    /// For each token, the index of the innermost opening token around it that has a partner or is a `let`; `None` at
+    /// the outermost level.
     parents: Vec<Option<usize>>,
 }
 
@@ -27,19 +30,20 @@ impl<'t> TokenTree<'t> {
         }
     }
 
-    /// Returns the innermost `let` without `tel`.
+    /// Returns the token index of the innermost `let` without `tel`; `None` if all bodies are closed.
     pub(crate) fn unclosed_let(&self) -> Option<usize> {
         let is_let = |open: &usize| self.lexemes[*open].token == Token::Let;
         self.unclosed_blocks().filter(is_let).last()
     }
 
-    /// Returns each `let` without `tel` and each `automaton` without `end`, outermost first.
+    /// Returns the token indices of each `let` without `tel` and each `automaton` without `end`, outermost first.
     pub(crate) fn unclosed_blocks(&self) -> impl Iterator<Item = usize> {
         let is_block = |i: &usize| matches!(self.lexemes[*i].token, Token::Let | Token::Automaton);
         (0..self.lexemes.len()).filter(move |i| is_block(i) && self.partners[*i].is_none())
     }
 
-    /// Returns the start of the incomplete phrase at the end of the input; the number of tokens if there is none.
+    /// Returns the token index of the start of the incomplete phrase (statement or step) at the end of the declaration;
+    /// the number of tokens if there is none.
     pub(crate) fn incomplete_phrase_start(&self) -> usize {
         let Some(open) = self.unclosed_blocks().last() else {
             return self.lexemes.len();
@@ -60,12 +64,14 @@ impl<'t> TokenTree<'t> {
         start
     }
 
-    /// Returns whether the token closes a body, and with it the phrase that has the body.
+    /// Returns whether token `at` is the `tel` or `end` of a body or automaton, which also ends the phrase that
+    /// contains the body.
     fn closes_body(&self, at: usize) -> bool {
         matches!(self.lexemes[at].token, Token::Tel | Token::End) && self.partners[at].is_some()
     }
 
-    /// Returns the nearest bracket before the token, in the same phrase, that is never closed.
+    /// Returns the token index of the nearest bracket before token `at` that is in the same phrase (statement, step or
+    /// parameter) and never closed.
     pub(crate) fn unclosed_bracket(&self, at: usize) -> Option<usize> {
         let phrase = self.phrase(at);
         let unclosed =
@@ -75,14 +81,15 @@ impl<'t> TokenTree<'t> {
             .find(unclosed)
     }
 
-    /// Returns the phrase that contains the token, without its `;`.
+    /// Returns the token range of the phrase that contains token `at`, without its `;`. A phrase is a statement, step,
+    /// parameter or other element of a list.
     pub(crate) fn phrase(&self, at: usize) -> Range<usize> {
         let (at, parent) = self.phrase_member(self.element_token(at));
         let start = self.phrase_start(at, parent);
         start..self.phrase_end(start, at, parent)
     }
 
-    /// Returns the token at this index, or the previous one if it closes a list or lies past the last token.
+    /// Returns the index `at`, or the index before it if token `at` closes a list or lies past the last token.
     fn element_token(&self, at: usize) -> usize {
         let opens = self
             .partners
@@ -99,8 +106,8 @@ impl<'t> TokenTree<'t> {
         }
     }
 
-    /// Returns the token, or the bracket around it, that lies directly in a list of phrases, and the opening token of
-    /// that list.
+    /// Returns the index of the token or bracket at or around token `at` that lies directly in a list of phrases, and
+    /// the index of the opening token of that list (`None` at the outermost level).
     fn phrase_member(&self, mut at: usize) -> (usize, Option<usize>) {
         loop {
             let Some(parent) = self.parents.get(at).copied().flatten() else {
@@ -113,30 +120,34 @@ impl<'t> TokenTree<'t> {
         }
     }
 
-    /// Returns whether the bracket encloses parameters, ports or fields, each of which is a phrase.
+    /// Returns whether the bracket at token `open` encloses a list of parameters, ports or fields, each of which is a
+    /// phrase of its own.
     fn is_header_list(&self, open: usize) -> bool {
         let outside = self.parents[open].is_none();
         outside && !matches!(self.lexemes[open].token, Token::LBracket)
     }
 
-    /// Returns the innermost opening token around the token, unless it is the outermost one.
+    /// Returns the index of the innermost opening token around token `at`; `None` if that is the outermost one or there
+    /// is none.
     pub(crate) fn inner_parent(&self, at: usize) -> Option<usize> {
         let open = self.parents.get(at).copied().flatten()?;
         self.parents[open].map(|_| open)
     }
 
-    /// Returns whether the token lies directly in a body, contract or automaton.
+    /// Returns whether token `at` lies directly in a body, contract or automaton, and not in brackets.
     pub(crate) fn is_in_block(&self, at: usize) -> bool {
         let parent = self.parents.get(at).copied().flatten();
         parent.is_some_and(|open| is_block(self.lexemes[open].token))
     }
 
-    /// Returns the opening or closing token that matches the token.
+    /// Returns the index of the token that closes the bracket or block opened at `at`, or opens the one closed there;
+    /// `None` without a partner.
     pub(crate) fn partner(&self, at: usize) -> Option<usize> {
         self.partners.get(at).copied().flatten()
     }
 
-    /// Returns the innermost opening token around the token, such as a bracket or `let`.
+    /// Returns the index of the innermost opening token around token `at`, such as a bracket or `let`; `None` at the
+    /// outermost level.
     pub(crate) fn parent(&self, at: usize) -> Option<usize> {
         self.parents.get(at).copied().flatten()
     }
@@ -180,7 +191,7 @@ impl<'t> TokenTree<'t> {
         end.min(last)
     }
 
-    /// Returns whether the token continues the local declarations of a fragment, or begins its body.
+    /// Returns whether token `at`, after a `;`, continues the local declarations of a fragment or begins its body.
     fn continues_locals(&self, at: usize) -> bool {
         use Token::{Colon, Comma, Con, Const, Ident, Let, Var};
         match self.token_at(at) {
@@ -210,7 +221,7 @@ fn is_block(token: Token) -> bool {
     matches!(token, Token::Let | Token::Automaton | Token::Con)
 }
 
-/// Returns the token that closes a bracket or block, such as `)` for `(`; `None` for a token that opens nothing.
+/// Returns the token that closes a bracket or block, such as `)` for `(`; `None` for a token that opens none.
 pub(crate) fn closing_token(open: Token) -> Option<Token> {
     use Token::*;
     Some(match open {
@@ -225,7 +236,8 @@ pub(crate) fn closing_token(open: Token) -> Option<Token> {
     })
 }
 
-/// Pairs opening and closing tokens. A bracket is never paired across the border of a block.
+/// Returns for each token the index of its partner if it opens or closes a bracket or block. A bracket never pairs with
+/// one outside of its block.
 fn pair_tokens(lexemes: &[Lexeme]) -> Vec<Option<usize>> {
     let mut partners = vec![None; lexemes.len()];
     let mut open: Vec<usize> = Vec::new();
@@ -241,7 +253,8 @@ fn pair_tokens(lexemes: &[Lexeme]) -> Vec<Option<usize>> {
     partners
 }
 
-/// Returns the index in `open` of the partner of a closing token.
+/// Returns the position in `open` of the token that the token `close` closes; `None` if there is none. `open` holds the
+/// indices of the opening tokens, innermost last.
 fn find_partner(lexemes: &[Lexeme], open: &[usize], close: Token) -> Option<usize> {
     use Token::{End, Noc, RBrace, RBracket, RParen, RStatic, Tel};
     let is_bracket_end = matches!(close, RParen | RBracket | RBrace | RStatic);

@@ -13,13 +13,14 @@ use std::collections::BTreeMap;
 /// Body inside a declaration, such as that of a state, whose `tel` is missing.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct UnclosedBody {
-    /// Index of the `let` that opens the body, among the tokens of the file.
+    /// Index of the `let` that opens the body, among the tokens of the declaration.
     let_index: usize,
-    /// Index of the token before which `tel` is expected.
+    /// Index of the token before which the missing `tel` is expected.
     pub(crate) next_index: usize,
 }
 
-/// Returns the first inner body that continues where it cannot, so that its `tel` must be missing.
+/// Returns the first inner body whose `tel` must be missing, because a statement with less indentation or a result of
+/// the command follows in it; `None` if there is none.
 pub(crate) fn find_unclosed_body(found: &ErrorContext<'_, '_>) -> Option<UnclosedBody> {
     // Indentation of the statements that own a body, by the index of its `let`.
     let mut indents = BTreeMap::new();
@@ -41,7 +42,8 @@ pub(crate) fn find_unclosed_body(found: &ErrorContext<'_, '_>) -> Option<Unclose
     })
 }
 
-/// Returns the `let` of the nested body in which a statement begins at this token, or which ends at it.
+/// Returns the token index of the `let` of the inner body in which a statement begins at token `at`, or which token
+/// `at` closes; `None` otherwise.
 fn nested_body_at(found: &ErrorContext<'_, '_>, at: usize) -> Option<usize> {
     let ends_statement = matches!(
         found.lexemes[at - 1].token,
@@ -56,7 +58,7 @@ fn nested_body_at(found: &ErrorContext<'_, '_>, at: usize) -> Option<usize> {
     (is_inner && found.lexemes[open].token == Token::Let).then_some(open)
 }
 
-/// Returns the indentation of the statement that owns the body.
+/// Returns the indentation in bytes of the statement or declaration whose body begins at token `open`.
 fn owner_indent(found: &ErrorContext<'_, '_>, open: usize) -> usize {
     let first = found.lexemes[found.structure.phrase(open).start];
     found.cx.indent_of_line(first.start).len()

@@ -1,9 +1,11 @@
 //! Length of a unit written without brackets.
 //!
-//! Only the shape of units is known here (`mm/s^2`), not their names.
+//! Only the shape of units is known here (`mm/s^2`), and the names of a few common ones.
 
-/// Returns the number of bytes after a word that belong to the same unit: `^2/s` of `m^2/s + x`. A factor follows
-/// without a space and has at most [`MAX_UNIT_LETTERS`] letters.
+/// Returns the number of bytes at the start of `text` that continue a unit before it: `^2/s` for the text after the `m`
+/// of `m^2/s + x`.
+///
+/// A factor follows without a space and has at most [`MAX_UNIT_LETTERS`] letters.
 pub(crate) fn unit_rest_len(text: &str) -> usize {
     let mut end = exponent_len(text);
     loop {
@@ -15,10 +17,25 @@ pub(crate) fn unit_rest_len(text: &str) -> usize {
     }
 }
 
-/// Maximum number of letters of a unit after `/` or `*`.
+/// Units that are also plausible names of flows, so that `5m` may be a length or a product.
+///
+/// The list is separate from the table of all units, which is in the checker. The checker runs only on programs without
+/// such errors.
+const COMMON_UNITS: &[&str] = &[
+    "m", "mm", "cm", "s", "ms", "us", "min", "h", "g", "kg", "N", "A", "V", "W", "J", "K", "Hz",
+    "rad", "deg", "rev",
+];
+
+/// Returns whether a word is a unit that is in common use and also a plausible name of a flow.
+pub(crate) fn is_common_unit(word: &str) -> bool {
+    COMMON_UNITS.contains(&word)
+}
+
+/// Maximum number of letters of a unit after `/` or `*`. A longer word is taken for the name of a flow.
 const MAX_UNIT_LETTERS: usize = 4;
 
-/// Returns the length in bytes of `/s^2` or `*m` at the start of a text; 0 if there is none.
+/// Returns the length in bytes of a factor of a unit, such as `/s^2` or `*m`, at the start of a text; 0 if there is
+/// none.
 fn factor_len(text: &str) -> usize {
     let Some(name) = text.strip_prefix(['/', '*']) else {
         return 0;
@@ -36,7 +53,7 @@ fn factor_len(text: &str) -> usize {
     }
 }
 
-/// Returns the length in bytes of `^2` or `^-1` at the start of a text; 0 if there is none.
+/// Returns the length in bytes of an exponent, such as `^2` or `^-1`, at the start of a text; 0 if there is none.
 fn exponent_len(text: &str) -> usize {
     let Some(exponent) = text.strip_prefix('^') else {
         return 0;

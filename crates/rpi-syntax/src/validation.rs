@@ -1,14 +1,15 @@
 //! Diagnostics for phrases that the grammar accepts and the language does not allow.
 
 use crate::ast::Ident;
-use rpi_diag::{Code, Diagnostic, Fix, Span};
+use rpi_diag::{Code, Diagnostic, Fix, Quote, Span};
 
-/// Reports `a < b < c` (RPI0009). `signs` are the operators, `middle` is the place and text of `b`.
+/// Returns the diagnostic for chained comparisons, `a < b < c` (RPI0009). `signs` are the places of the operators.
+/// `middle` is the place and text of `b` if both comparisons may be meant.
 pub(crate) fn chained_comparison(signs: [Span; 2], middle: Option<(Span, &str)>) -> Diagnostic {
     let diagnostic = Diagnostic::new(Code::RPI0009, "comparisons cannot be chained")
         .primary(signs[1], "compares the result of a comparison")
         .secondary(signs[0], "previous comparison");
-    let diagnostic = diagnostic.help("write `a < b and b < c`, or add parentheses");
+    let diagnostic = diagnostic.help("join two comparisons with `and`, or add parentheses");
     match middle {
         Some((span, text)) => {
             let fix = Fix::maybe("join them with `and`");
@@ -18,7 +19,8 @@ pub(crate) fn chained_comparison(signs: [Span; 2], middle: Option<(Span, &str)>)
     }
 }
 
-/// Adds a further comparison to the diagnostic about a chain. `sign` is its operator.
+/// Adds one more comparison to the diagnostic `last` about a chain. `sign` is the place of its operator; `middle` is
+/// the place and text of its left operand.
 pub(crate) fn extend_chained_comparison(
     mut last: Diagnostic,
     sign: Span,
@@ -30,7 +32,8 @@ pub(crate) fn extend_chained_comparison(
     last.secondary(sign, "another comparison")
 }
 
-/// Warns about `x when c` as an operand of an operator (RPI0015). `part` is the sampled expression.
+/// Returns the warning about `x when c` as an operand of an operator (RPI0015). `part` is the place of the sampled
+/// expression.
 pub(crate) fn when_precedence(part: Span) -> Diagnostic {
     let fix = Fix::maybe("add parentheses")
         .insert_before(part, "(")
@@ -46,7 +49,7 @@ pub(crate) fn when_precedence(part: Span) -> Diagnostic {
     .fix(fix)
 }
 
-/// Reports `when c then x else y`. `word` is the place of `when`.
+/// Returns the diagnostic for `when c then x else y`, which RPI writes with `if`. `word` is the place of `when`.
 pub(crate) fn when_as_if(word: Span) -> Diagnostic {
     Diagnostic::new(
         Code::RPI0016,
@@ -56,7 +59,8 @@ pub(crate) fn when_as_if(word: Span) -> Diagnostic {
     .fix(Fix::sure("write `if`").replace(word, "if"))
 }
 
-/// Warns about `-x ** y` (RPI0018). `base` is `-x`, `power` is the exponent, `text` is the whole expression.
+/// Returns the warning about `-x ** y` (RPI0018). `base` is the place of `-x`, `power` that of the exponent, `text` the
+/// whole expression.
 pub(crate) fn sign_before_power(base: Span, power: Span, text: &str) -> Diagnostic {
     let operand = text[1..(base.end - base.start) as usize].trim_start();
     let rest = text[(base.end - base.start) as usize..].trim_start();
@@ -64,10 +68,12 @@ pub(crate) fn sign_before_power(base: Span, power: Span, text: &str) -> Diagnost
     let whole = base.merge(power);
     Diagnostic::new(
         Code::RPI0018,
-        "the sign binds more strongly than the power: this is `(-x) ** y`",
+        format!("the sign binds more strongly than the power: this is `(-{operand}) {rest}`"),
     )
     .primary(base, "this is raised to the power")
-    .help("in mathematics, Python and Fortran it is `-(x ** y)`")
+    .help(format!(
+        "in mathematics, Python and Fortran it is `{negated}`"
+    ))
     .fix(
         Fix::maybe(format!("write `(-{operand})`, which is the same"))
             .insert_before(base, "(")
@@ -76,7 +82,8 @@ pub(crate) fn sign_before_power(base: Span, power: Span, text: &str) -> Diagnost
     .fix(Fix::maybe(format!("write `{negated}`")).replace(whole, negated))
 }
 
-/// Reports a number other than 1 as a unit: `1[3/s]`. `text` is the text of the file.
+/// Returns the diagnostic for a number other than 1 in a unit, as in `1[3/s]`. `span` is the place of the number,
+/// `text` the text of the file.
 pub(crate) fn number_as_unit(span: Span, text: &str) -> Diagnostic {
     let diagnostic = Diagnostic::new(Code::RPI0001, "a number is not a unit")
         .primary(span, "expected the name of a unit, or `1` as in `1/s`");
@@ -94,27 +101,34 @@ pub(crate) fn number_as_unit(span: Span, text: &str) -> Diagnostic {
     }
 }
 
-/// Reports the exponent of a unit that exceeds 99 (RPI0008).
+/// Returns the diagnostic for an exponent of a unit above 99 (RPI0008).
 pub(crate) fn exponent_too_large(span: Span) -> Diagnostic {
     Diagnostic::new(Code::RPI0008, "the exponent of a unit is too large")
         .primary(span, "the maximum is 99")
 }
 
-/// Reports a bit range `x[7:0]` outside of Lustre files.
-pub(crate) fn unsupported_bit_range(span: Span) -> Diagnostic {
+/// Reports a range `x[7:0]` outside of Lustre files, where it selects bits.
+pub(crate) fn unsupported_bit_range(first: Span, last: Span) -> Diagnostic {
     Diagnostic::new(Code::RPI0001, "expected `]` or `..` after the index")
-        .primary(span, "only machine integers of Kind 2 have bit ranges")
-        .help("a slice of an array is written `a[1..3]`, both ends included")
+        .primary(first.merge(last), "a range of indices has no `:`")
+        .help(format!(
+            "a slice of an array is written `[{}..{}]`, both ends included",
+            Quote::text(first),
+            Quote::text(last)
+        ))
 }
 
-/// Reports a port with a condition, `x: int | x > 0`, outside of Lustre files.
+/// Returns the diagnostic for a port with a condition, such as `x: int | x > 0`, outside of Lustre files.
 pub(crate) fn unsupported_condition(span: Span) -> Diagnostic {
     Diagnostic::new(Code::RPI0001, "the type of a port cannot have a condition")
         .primary(span, "condition of Kind 2")
-        .help("state it as an assumption: `assume x > 0`")
+        .help(format!(
+            "state it in a contract before `let`: `con assume {0}; noc` for an in-port, `con guarantee {0}; noc` for an out-port",
+            Quote::text(span)
+        ))
 }
 
-/// Reports bounds `[from, to] of` after a word other than `subrange`.
+/// Returns the diagnostic for bounds `[from, to] of` after a word other than `subrange`.
 pub(crate) fn bounds_without_subrange(word: &Ident) -> Diagnostic {
     Diagnostic::new(Code::RPI0001, format!("`{}` cannot have bounds", word.name))
         .primary(word.span, "only `subrange` has bounds")

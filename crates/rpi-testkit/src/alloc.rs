@@ -7,12 +7,12 @@ use std::sync::OnceLock;
 
 pub use assert_no_alloc::AllocDisabler;
 
-/// Global allocator for tests: the system allocator with a trap for allocations and a counter. `allocated()` returns
-/// the number of allocated bytes.
+/// Global allocator for tests. It records allocations in code that must not allocate ([`no_alloc`]), and counts the
+/// allocated bytes (`allocated()`).
 pub type TrappedAllocator = cap::Cap<AllocDisabler>;
 
-/// Installs the allocator that [`no_alloc`] checks, as the static `MEMORY`. Use it once per test binary, at the top
-/// level.
+/// Installs [`TrappedAllocator`], which [`no_alloc`] needs, as the global allocator `MEMORY`. Use the macro once in a
+/// test binary, at the top level.
 #[macro_export]
 macro_rules! trap_allocations {
     () => {
@@ -22,12 +22,13 @@ macro_rules! trap_allocations {
     };
 }
 
-/// Runs `body` on this thread with all allocations and releases forbidden.
+/// Runs `body` on this thread and returns its result. Allocating and freeing memory is forbidden meanwhile.
 ///
 /// # Panics
 ///
-/// If `body` allocates or frees memory; the message contains the count. Also if the trap is not installed, so that a
-/// test cannot pass because it lacks [`trap_allocations!`](crate::trap_allocations).
+/// Panics if `body` allocates or frees memory; the message contains the count. Panics if
+/// [`trap_allocations!`](crate::trap_allocations) is missing in the test binary, because the test would then pass
+/// without a check.
 pub fn no_alloc<T>(body: impl FnOnce() -> T) -> T {
     assert!(
         is_installed(),
@@ -41,12 +42,14 @@ pub fn no_alloc<T>(body: impl FnOnce() -> T) -> T {
     result
 }
 
-/// Runs `body` with allocations allowed again, inside [`no_alloc`]: for the work of a test between cycles.
+/// Runs `body` and returns its result. Within [`no_alloc`], allocations are allowed in `body`: for work of a test
+/// between two cycles.
 pub fn alloc_allowed<T>(body: impl FnOnce() -> T) -> T {
     assert_no_alloc::permit_alloc(body)
 }
 
-/// Returns whether the trap is installed, by making an allocation that it would count. The result is cached.
+/// Returns true if the trap for allocations is installed. The first call makes an allocation that the trap would count;
+/// later calls return the same result.
 fn is_installed() -> bool {
     static INSTALLED: OnceLock<bool> = OnceLock::new();
     // `black_box` keeps the optimiser from removing the allocation.

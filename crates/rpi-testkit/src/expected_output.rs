@@ -4,11 +4,12 @@ use crate::workspace_root;
 use std::path::Path;
 use std::process::Command;
 
-/// Compares the messages about a program with `NAME.stderr` beside it. Returns a description of the difference, or
-/// `None` if they are equal. With `RPI_BLESS` set, as by `cargo xtask bless`, the file is overwritten first.
+/// Compares the messages about a program with the expected ones in the file `NAME.stderr` beside it. Returns a
+/// description of the difference, or `None` if they are equal. If the environment variable `RPI_BLESS` is set, as by
+/// `cargo xtask bless`, the file is overwritten first.
 ///
 /// # Panics
-/// If `RPI_BLESS` is set and the file cannot be written.
+/// Panics if `RPI_BLESS` is set and the file cannot be written.
 #[must_use]
 pub fn compare_with_expected(program: &Path, output: &str) -> Option<String> {
     let expected = program.with_extension("stderr");
@@ -20,11 +21,12 @@ pub fn compare_with_expected(program: &Path, output: &str) -> Option<String> {
     (known != output).then(|| format!("{name}\n--- actual\n{output}--- expected\n{known}"))
 }
 
-/// Like [`compare_with_expected`], for the standard error of a tool that is run on a program below `tests/ui`. The tool is started in
-/// that folder; `args` adds the arguments for the program of the given name.
+/// Runs a tool on a program below `tests/ui`, and compares its standard error with the file `NAME.stderr` beside the
+/// program. Returns a description of the difference, or `None` if they are equal. The tool is started in the folder
+/// `tests/ui`. The function `args` adds the arguments of the tool for a program, whose path is relative to that folder.
 ///
 /// # Panics
-/// If the program is not below `tests/ui`, or the tool cannot be started.
+/// Panics if the program is not below `tests/ui`, or if the tool cannot be started.
 #[must_use]
 pub fn compare_tool_output(
     program: &Path,

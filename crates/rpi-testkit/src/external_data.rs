@@ -11,7 +11,8 @@ use std::path::{Path, PathBuf};
 
 use crate::workspace_root;
 
-/// Returns the folder of the external test data, if it exists.
+/// Returns the folder of the external test data (nets and traces outside of the repository); `None` if it does not
+/// exist.
 pub fn external_data_dir() -> Option<PathBuf> {
     if let Some(dir) = std::env::var_os("RPI_SHARED") {
         return Some(PathBuf::from(dir)).filter(|dir| is_shared(dir));
@@ -21,8 +22,8 @@ pub fn external_data_dir() -> Option<PathBuf> {
     above.find_map(|dir| Some(dir.join("shared")).filter(|dir| is_shared(dir)))
 }
 
-/// Returns a file or folder of the external test data. If it is missing, prints a message and returns `None`; the test
-/// should then return.
+/// Returns the path of a file or folder of the external test data. `relative` is its path in the folder of that data.
+/// If it is missing, prints a message and returns `None`, so that the test can return.
 pub fn external_data_path(relative: &str) -> Option<PathBuf> {
     let path = external_data_dir()
         .map(|dir| dir.join(relative))
@@ -33,7 +34,8 @@ pub fn external_data_path(relative: &str) -> Option<PathBuf> {
     path
 }
 
-/// Prints the name of the skipped test and the reason to standard error, bypassing the capture of the test harness.
+/// Prints the name of the running test and the reason why it is skipped to standard error, even if the test harness
+/// captures output.
 pub fn report_skip(reason: &str) {
     let thread = std::thread::current();
     let test = thread.name().unwrap_or("a test");

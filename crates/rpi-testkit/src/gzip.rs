@@ -3,12 +3,11 @@
 use std::io;
 use std::path::Path;
 
-/// Returns the text of a file. The file is decompressed if it begins with the gzip magic number (RFC 1952, section
-/// 2.3.1).
+/// Returns the text of a file, decompressed if it begins with the magic number of gzip (RFC 1952, section 2.3.1).
 ///
 /// # Errors
 ///
-/// If the file cannot be read, is invalid gzip, or is not UTF-8.
+/// Returns an error if the file cannot be read, is invalid gzip, is too large, or is not UTF-8.
 pub fn read_maybe_gz(path: impl AsRef<Path>) -> io::Result<String> {
     let bytes = rpi_files::read(path.as_ref(), rpi_files::MAX_TRACE)?;
     String::from_utf8(bytes).map_err(|error| io::Error::new(io::ErrorKind::InvalidData, error))

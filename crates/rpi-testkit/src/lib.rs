@@ -8,6 +8,7 @@ mod expected_output;
 mod external_data;
 mod gzip;
 mod lsp;
+mod nets;
 mod process;
 mod workspace;
 
@@ -16,5 +17,6 @@ pub use expected_output::{compare_tool_output, compare_with_expected};
 pub use external_data::{external_data_dir, external_data_path, report_skip};
 pub use gzip::read_maybe_gz;
 pub use lsp::LspClient;
+pub use nets::net_of_additions;
 pub use process::{resident_memory_kb, run_test_in_process};
 pub use workspace::{files_below, workspace_root};

@@ -4,12 +4,12 @@ use std::io::{BufRead, BufReader, Read, Write};
 
 use serde_json::{Value, json};
 
-/// Client of a language server. Panics if the server violates the protocol.
+/// Client of a language server for tests. All methods panic if the server violates the protocol.
 pub struct LspClient {
     input: Box<dyn BufRead + Send>,
     output: Box<dyn Write + Send>,
     last_id: i64,
-    /// Notifications and requests of the server that arrived while waiting for another message.
+    /// Messages of the server that arrived while the client waited for another message, in order of arrival.
     queued: Vec<Value>,
 }
 
@@ -27,7 +27,7 @@ impl LspClient {
         }
     }
 
-    /// Sends bytes to the server unchanged.
+    /// Sends bytes to the server unchanged, for tests of invalid messages.
     pub fn write_raw(&mut self, bytes: &[u8]) {
         self.output.write_all(bytes).expect("the server reads");
         self.output.flush().expect("the server reads");
@@ -39,7 +39,7 @@ impl LspClient {
         self.write_raw(format!("Content-Length: {}\r\n\r\n{text}", text.len()).as_bytes());
     }
 
-    /// Returns the next message of the server, or `None` if the server has closed the stream.
+    /// Returns the next message of the server as JSON, or `None` if the server has closed the stream.
     pub fn receive(&mut self) -> Option<Value> {
         let mut length = 0;
         loop {
@@ -58,7 +58,7 @@ impl LspClient {
         Some(serde_json::from_slice(&body).expect("JSON"))
     }
 
-    /// Sends a request and waits for its response, which has a `result` or an `error`.
+    /// Sends a request, waits for its response and returns the response, which has a `result` or an `error`.
     pub fn request(&mut self, method: &str, params: Value) -> Value {
         self.last_id += 1;
         let id = self.last_id;
@@ -72,19 +72,19 @@ impl LspClient {
         }
     }
 
-    /// Sends a request that must succeed and returns its result.
+    /// Sends a request that must succeed, waits for its response and returns the result.
     pub fn result(&mut self, method: &str, params: Value) -> Value {
         let answer = self.request(method, params);
         assert!(answer.get("error").is_none(), "{method}: {answer}");
         answer["result"].clone()
     }
 
-    /// Sends a notification.
+    /// Sends a notification to the server.
     pub fn notify(&mut self, method: &str, params: Value) {
         self.send(json!({ "method": method, "params": params }));
     }
 
-    /// Waits for the next notification or request of the server with this method and returns its parameters.
+    /// Waits for the next notification or request of the server with the name `method`, and returns its parameters.
     pub fn await_method(&mut self, method: &str) -> Value {
         let found = self.queued.iter().position(|m| m["method"] == method);
         if let Some(at) = found {
@@ -99,7 +99,7 @@ impl LspClient {
         }
     }
 
-    /// Waits for the diagnostics that the server publishes for a version of a text.
+    /// Waits until the server publishes the diagnostics of a version of the document `uri`, and returns them.
     pub fn diagnostics(&mut self, uri: &str, version: i64) -> Vec<Value> {
         loop {
             let params = self.await_method("textDocument/publishDiagnostics");
@@ -112,7 +112,8 @@ impl LspClient {
         }
     }
 
-    /// Starts a session and returns the result of `initialize`.
+    /// Starts a session: sends `initialize` with the capabilities of the client, then `initialized`. Returns the result
+    /// of `initialize`.
     pub fn initialize(&mut self, capabilities: Value) -> Value {
         let params = json!({ "processId": null, "rootUri": null, "capabilities": capabilities });
         let result = self.result("initialize", params);
@@ -120,20 +121,20 @@ impl LspClient {
         result
     }
 
-    /// Opens a text as version 1.
+    /// Opens a document with the given text as version 1.
     pub fn open(&mut self, uri: &str, text: &str) {
         let document = json!({ "uri": uri, "languageId": "rpi", "version": 1, "text": text });
         self.notify("textDocument/didOpen", json!({ "textDocument": document }));
     }
 
-    /// Changes a text by one content change of the protocol.
+    /// Sends one change of a document in the form of the protocol. `version` is the version after the change.
     pub fn change(&mut self, uri: &str, version: i64, change: Value) {
         let document = json!({ "uri": uri, "version": version });
         let params = json!({ "textDocument": document, "contentChanges": [change] });
         self.notify("textDocument/didChange", params);
     }
 
-    /// Ends the session: `shutdown`, `exit`, and reading until the server closes the stream.
+    /// Ends the session: sends `shutdown` and `exit`, and reads until the server closes the stream.
     pub fn shutdown(&mut self) {
         assert_eq!(self.result("shutdown", Value::Null), Value::Null);
         self.notify("exit", Value::Null);

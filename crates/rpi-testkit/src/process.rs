@@ -2,12 +2,12 @@
 
 use std::process::{Command, Output};
 
-/// Runs this test program again as a new process that executes the one test `test`, with the environment variable
-/// `variable` set to `case`.
+/// Runs the one test `test` of this test program in a new process, with the environment variable `variable` set to
+/// `case`. Returns the exit status and the output of the process.
 ///
 /// # Panics
 ///
-/// If the program cannot be started.
+/// Panics if the program cannot be started.
 pub fn run_test_in_process(test: &str, variable: &str, case: &str) -> Output {
     let program = std::env::current_exe().expect("the path of this test program");
     Command::new(program)
@@ -19,7 +19,7 @@ pub fn run_test_in_process(test: &str, variable: &str, case: &str) -> Output {
         .expect("a process for one test")
 }
 
-/// Returns a memory figure of this process in kB: `VmRSS:` is the current resident memory, `VmHWM:` its maximum.
+/// Returns a memory figure of this process in kB: `VmRSS:` selects the current resident memory, `VmHWM:` its maximum.
 /// Returns 0 on systems without `/proc`.
 #[must_use]
 pub fn resident_memory_kb(figure: &str) -> u64 {

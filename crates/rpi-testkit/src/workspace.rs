@@ -2,14 +2,14 @@
 
 use std::path::{Path, PathBuf};
 
-/// Returns the root of the workspace in which the tests were compiled.
+/// Returns the path of the root folder of the workspace in which the tests were compiled.
 pub fn workspace_root() -> PathBuf {
     let crate_dir = Path::new(env!("CARGO_MANIFEST_DIR"));
     crate_dir.ancestors().nth(2).unwrap_or(crate_dir).to_owned()
 }
 
-/// Returns all files below `dir` (relative to the workspace) whose names end in one of `extensions`, sorted. Build
-/// output and hidden folders are skipped; a missing folder has no files.
+/// Returns all files below the folder `dir` (relative to the root of the workspace) whose names end in one of
+/// `extensions`, sorted by path. Build output and hidden folders are skipped; a missing folder has no files.
 pub fn files_below(dir: &str, extensions: &[&str]) -> Vec<PathBuf> {
     let mut found = Vec::new();
     collect(&workspace_root().join(dir), extensions, &mut found);

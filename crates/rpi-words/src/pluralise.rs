@@ -2,14 +2,15 @@
 
 use std::fmt::Display;
 
-/// Returns a count and its noun: `1 error`, `2 errors`.
+/// Returns a count with its noun in the singular or plural: `1 error`, `2 errors`. `what` is the noun in the singular,
+/// whose plural must end in `s`.
 pub fn with_noun(count: impl Display, what: &str) -> String {
     let count = count.to_string();
     let ending = if count == "1" { "" } else { "s" };
     format!("{count} {what}{ending}")
 }
 
-/// Returns `once` or `2 times`.
+/// Returns a number of repetitions in words: `once` for 1, `2 times` for 2.
 pub fn times(count: impl Display) -> String {
     match with_noun(count, "time") {
         once if once == "1 time" => "once".to_owned(),

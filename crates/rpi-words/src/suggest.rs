@@ -1,8 +1,8 @@
 //! "Did you mean" suggestions: the valid name nearest to an invalid one.
 
-/// Returns the candidate nearest to `name`, if the distance is at most one edit per three characters (two for five) and
-/// less than the length of the name. Ties are broken alphabetically, so that the result does not depend on the order of
-/// the candidates.
+/// Returns the candidate that is most similar to `name`, for a "did you mean" message; `None` if no candidate is
+/// similar. The distance of a candidate is at most one edit per three characters of `name` (two edits for five
+/// characters), and less than the length of `name`. Equal distances are decided alphabetically.
 pub fn suggest<'a>(name: &str, candidates: impl Iterator<Item = &'a str>) -> Option<String> {
     let mut wanted = NameMatcher::new(name);
     let mut best: Option<(usize, &str)> = None;
@@ -13,13 +13,14 @@ pub fn suggest<'a>(name: &str, candidates: impl Iterator<Item = &'a str>) -> Opt
     best.map(|(_, candidate)| candidate.to_owned())
 }
 
-/// Name to which candidates are compared, with the distance tables that all comparisons reuse.
+/// Name to which candidates are compared, with the buffers that all comparisons reuse.
 struct NameMatcher {
     name: Vec<char>,
-    /// Largest accepted distance.
+    /// Maximum number of changed, missing and additional characters of a similar name.
     limit: usize,
     other: Vec<char>,
-    /// Rows of the distance table: the current one, the previous one, and the one before.
+    /// Last three rows of the table by which the distance is computed: the current row, the previous row, and the row
+    /// before that.
     rows: [Vec<usize>; 3],
 }
 
@@ -35,9 +36,9 @@ impl NameMatcher {
         }
     }
 
-    /// Returns the case-insensitive Damerau-Levenshtein distance in its "optimal string alignment" form: the least
-    /// number of insertions, deletions, substitutions and swaps of neighbours, with no position edited twice. Returns
-    /// `None` if the distance exceeds the limit.
+    /// Returns the case-insensitive Damerau-Levenshtein distance to another name, in its "optimal string alignment"
+    /// form: the minimum number of insertions, deletions, substitutions and swaps of neighbours, with no position
+    /// edited twice. Returns `None` if the distance exceeds the limit.
     fn distance(&mut self, other: &str) -> Option<usize> {
         self.other.clear();
         self.other.extend(lower(other));
@@ -60,8 +61,8 @@ impl NameMatcher {
             .filter(|far| *far <= self.limit)
     }
 
-    /// Fills the current row of the distance table with the distances of the first `i` characters from each prefix of
-    /// the other name.
+    /// Computes the current row of the distance table: the distances of the first `i` characters of the name from each
+    /// prefix of the other name.
     fn fill(&mut self, i: usize) {
         let (a, b) = (&self.name, &self.other);
         let [row, last, two_ago] = &mut self.rows;

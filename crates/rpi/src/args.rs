@@ -8,20 +8,23 @@ use rpi_cli::{Shell, VERSION};
 use rpi_driver::ClaimPolicy;
 use rpi_runtime::realtime::{CommandOverrunPolicy, OverrunPolicy, RealTime, SchedulingOptions};
 use rpi_runtime::run::InputSetting;
-use rpi_serve::OnLoss;
+use rpi_serve::{OnLoss, SocketSettings};
 
 use crate::budget_args::BudgetArgs;
+use crate::recording_args::RecordingArgs;
+use crate::robot_args::{CellCommand, RobotCommand};
+use crate::socket_arg::parse_socket;
 
-/// Control core: runs commands that take over from one another without a gap.
+/// Control core of robots: runs commands that take over from one another without a gap.
 #[derive(Debug, Parser)]
 #[command(name = "rpi", version = VERSION, arg_required_else_help = true)]
 pub(crate) struct Cli {
-    /// Subcommand.
+    /// Subcommand of `rpi` with its options.
     #[command(subcommand)]
     pub(crate) task: CliCommand,
 }
 
-/// Subcommands.
+/// Subcommands of `rpi`.
 #[derive(Debug, Subcommand)]
 pub(crate) enum CliCommand {
     /// Run a program, a net or an image with a cell, or a node with a table of inputs.
@@ -57,13 +60,22 @@ pub(crate) enum CliCommand {
     /// A thread with the priority, memory locking and core that the system grants is woken periodically. Its wake-up
     /// delay, plus the cycle time of a program if one is specified, must fit into the period.
     Latency(LatencyArgs),
-    /// Print the completions for a shell.
+    /// Examine robot descriptions: URDF, Denavit-Hartenberg tables, lengths of links.
+    #[command(subcommand)]
+    Robot(RobotCommand),
+    /// Examine cell descriptions, which list the devices.
+    #[command(subcommand)]
+    Cell(CellCommand),
+    /// Compile a text for `rpi serve`, which starts this process: request on standard input, answer on standard output.
+    #[command(hide = true)]
+    CompileWorker,
+    /// Print the completion script of a shell.
     #[command(hide = true)]
     Completions {
         /// Shell for which completions are printed.
         shell: Shell,
     },
-    /// Write the manual pages into a folder.
+    /// Write the manual pages of all subcommands to a folder.
     #[command(hide = true)]
     Man {
         /// Folder into which the manual pages are written.
@@ -71,25 +83,25 @@ pub(crate) enum CliCommand {
     },
 }
 
-/// Options for what to run, and with which cell.
+/// Options that select the command to run, its cell, its period and its end.
 #[derive(Args, Debug)]
 pub(crate) struct Target {
-    /// Description of the devices; default: `cell.toml` beside the program.
+    /// Cell description with the devices; default: `cell.toml` beside the program.
     #[arg(long, value_name = "FILE")]
     pub(crate) cell: Option<PathBuf>,
-    /// Command or task to run, if there are several.
+    /// Command or task to run, if the program has several.
     #[arg(long, value_name = "NAME")]
     pub(crate) command: Option<String>,
-    /// Period of the cycle; default: that of the image, else 1ms.
+    /// Period of the cycle, such as 1ms; default: that of the image, else 1ms.
     #[arg(long, value_parser = rpi_driver::parse_duration, value_name = "TIME")]
     pub(crate) period: Option<u64>,
-    /// Stop after this number of cycles.
+    /// Stop the run after this number of cycles.
     #[arg(long, value_name = "N", conflicts_with = "time", value_parser = value_parser!(u64).range(1..))]
     pub(crate) cycles: Option<u64>,
-    /// Stop after this time (of the cell).
+    /// Stop the run after this time, such as 10s, on the clock of the cell (simulated or real).
     #[arg(long, value_parser = rpi_driver::parse_duration, value_name = "TIME")]
     pub(crate) time: Option<u64>,
-    /// Set an input before the start; may be repeated.
+    /// Set an input of the command before the start; may be repeated.
     #[arg(long = "set", value_name = "KEY=VALUE")]
     pub(crate) settings: Vec<InputSetting>,
 }
@@ -110,14 +122,14 @@ pub(crate) struct RunArgs {
     pub(crate) clock: ClockArgs,
     #[command(flatten)]
     pub(crate) share: BudgetArgs,
-    /// Handling of assertions and contracts: leave out, report violations with cycle and values, or end the run by a
-    /// fault.
+    /// Handling of assertions and contracts: leave out, report violations with cycle and values, or end the command by
+    /// a fault.
     #[arg(long, value_name = "HOW", default_value = "report")]
     pub(crate) contracts: ContractsMode,
-    /// Time from the start of a command until the next one is ready.
+    /// Time from the start of a command until the next one is ready, such as 20ms.
     #[arg(long, value_parser = rpi_driver::parse_duration, value_name = "TIME")]
     pub(crate) planning_time: Option<u64>,
-    /// Share of the speed of all motions of the library, from 0 to 1.
+    /// Speed override of all motions of the library: share of the programmed speed, from 0 to 1.
     #[arg(long = "override", value_name = "SHARE", default_value = "1", value_parser = parse_override)]
     pub(crate) speed_override: f64,
     /// Policy for a takeover with a jump of position, velocity or acceleration.
@@ -127,44 +139,47 @@ pub(crate) struct RunArgs {
     /// as rows of cycle, flow, value: JSON lines for .jsonl, else comma-separated.
     #[arg(long, value_name = "FILE")]
     pub(crate) record: Option<PathBuf>,
-    /// Print a digest of all device states: equal for runs with the same bits in every cycle.
+    #[command(flatten)]
+    pub(crate) recording: RecordingArgs,
+    /// Print a digest of all device states, which is equal for runs with the same bits in every cycle.
     #[arg(long)]
     pub(crate) digest: bool,
-    /// Plot the motion as SVG.
+    /// Plot the motion of the axes as SVG to this file.
     #[arg(long, value_name = "FILE")]
     pub(crate) plot: Option<PathBuf>,
-    /// Print the summary as JSON.
+    /// Print the summary of the run as JSON.
     #[arg(long)]
     pub(crate) json: bool,
 }
 
-/// Real-time options.
+/// Real-time options of `rpi run` and `rpi serve`.
 #[derive(Args, Debug)]
 pub(crate) struct ClockArgs {
     /// Run in real time, with priority, locked memory and a dedicated core where the system allows it.
     #[arg(long)]
     pub(crate) real_time: bool,
-    /// Policy for a cycle that ends after the next one is due: `catch-up`, `skip`, or `stop:N/M` at the Nth of M
-    /// cycles.
+    /// Policy for an overrun (a cycle that ends after the next one is due): `catch-up`, `skip`, or `stop:N/M` at the
+    /// Nth overrun within M cycles.
     #[arg(long, value_name = "POLICY", default_value_t, requires = "real_time")]
     pub(crate) on_overrun: OverrunPolicy,
-    /// Policy for the command that took the longest in such a cycle: `count`, `abort:N/M` (it ends at the Nth of its M
-    /// cycles) or `stop:N/M` (everything is stopped).
+    /// Policy for the command that took the longest in an overrun: `count`, `abort:N/M` (the command ends at its Nth
+    /// overrun within M cycles) or `stop:N/M` (everything is stopped).
     #[arg(long, value_name = "POLICY", default_value_t, requires = "real_time")]
     pub(crate) on_command_overrun: CommandOverrunPolicy,
-    /// SCHED_FIFO priority of the cycle thread, 1 to 99.
+    /// SCHED_FIFO priority of the thread that runs the cycles, 1 to 99.
     #[arg(long, value_name = "N", default_value_t = SchedulingOptions::default().priority, requires = "real_time", value_parser = value_parser!(u8).range(1..100))]
     pub(crate) priority: u8,
-    /// Core of the cycle thread; default: the last one.
+    /// Processor core of the thread that runs the cycles, counted from 0; default: the last one.
     #[arg(long, value_name = "N", requires = "real_time")]
     pub(crate) core: Option<usize>,
-    /// Restrict the cycle thread to sleeping and reading the clock: any other system call ends the process.
+    /// Restrict the thread that runs the cycles to sleeping and reading the clock: any other system call ends the
+    /// process.
     #[arg(long, requires = "real_time")]
     pub(crate) fence: bool,
 }
 
 impl ClockArgs {
-    /// Returns the real-time settings.
+    /// Returns the real-time settings that the options give.
     pub(crate) fn real_time(&self) -> RealTime {
         RealTime {
             resources: SchedulingOptions {
@@ -178,14 +193,15 @@ impl ClockArgs {
     }
 }
 
-/// Policy for a command whose first set-points do not continue those of its predecessor.
+/// Policy for a command whose first set-points do not continue those of its predecessor (a jump of position, velocity
+/// or acceleration).
 #[derive(ValueEnum, Clone, Copy, PartialEq, Eq, Debug)]
 pub(crate) enum DiscontinuityPolicy {
     /// End the command with a fault before it moves anything; the device stops.
     Refuse,
-    /// Stop everything.
+    /// End all commands with their devices, not only the command with the jump.
     Stop,
-    /// Report it; the device may still refuse the set-point.
+    /// Report the jump and continue; the device may still refuse the set-point.
     Allow,
 }
 
@@ -199,14 +215,14 @@ impl From<DiscontinuityPolicy> for rpi_core::Continuity {
     }
 }
 
-/// Handling of assertions and contracts.
+/// Handling of assertions and contracts during a run.
 #[derive(Clone, Copy, PartialEq, Eq, Debug, ValueEnum)]
 pub(crate) enum ContractsMode {
-    /// Leave them out; they cost nothing.
+    /// Leave assertions and contracts out; they cost nothing.
     Off,
-    /// Report violations and continue the run.
+    /// Report violations of assertions and contracts, and continue the run.
     Report,
-    /// End the command by a fault at a violation.
+    /// Report violations, and end the command by a fault.
     Fault,
 }
 
@@ -223,36 +239,48 @@ impl From<ContractsMode> for ClaimPolicy {
 /// Options of `rpi serve`.
 #[derive(Args, Debug)]
 pub(crate) struct ServeArgs {
-    /// Description of the devices; without it, only clients add devices.
+    /// Cell description with the devices; without it, only clients add devices.
     #[arg(long, value_name = "FILE")]
     pub(crate) cell: Option<PathBuf>,
-    /// Listening address.
+    /// Network address on which the server listens.
     #[arg(long, value_name = "ADDRESS:PORT", default_value = "127.0.0.1:8080")]
     pub(crate) listen: SocketAddr,
-    /// Listen on a Unix socket too: JSON-RPC, one message per line.
-    #[arg(long, value_name = "FILE")]
-    pub(crate) socket: Option<PathBuf>,
-    /// File with the token that clients must present; required beyond this machine, as is TLS.
+    /// Listen on a Unix socket too: JSON-RPC, one message per line. Its clients have the role `programmer`, or the one
+    /// given by `,role=ROLE`; `,mode=660` sets the permissions of the file. May be repeated.
+    #[arg(long = "socket", value_name = "FILE[,role=ROLE][,mode=MODE]", value_parser = parse_socket)]
+    pub(crate) sockets: Vec<SocketSettings>,
+    /// File with the tokens that clients must present, one line `NAME ROLE TOKEN` for each, or a single token; required
+    /// beyond this machine, as is TLS. Roles: viewer, operator, programmer, admin.
     #[arg(long, value_name = "FILE")]
     pub(crate) token_file: Option<PathBuf>,
-    /// Certificate of the server in PEM, with the intermediate ones up to an authority.
+    /// Certificate of the server in PEM, with the intermediate certificates up to an authority.
     #[arg(long, value_name = "FILE", requires = "tls_key")]
     pub(crate) tls_cert: Option<PathBuf>,
-    /// Private key of the certificate, in PEM.
+    /// Private key of the certificate of the server, in PEM.
     #[arg(long, value_name = "FILE", requires = "tls_cert")]
     pub(crate) tls_key: Option<PathBuf>,
     /// Listen beyond this machine without token or TLS: whoever reaches the port can move the devices.
     #[arg(long)]
     pub(crate) insecure: bool,
-    /// Length of a cycle; periods of commands are whole multiples of it.
+    /// Length of a cycle, such as 1ms; the periods of commands are whole multiples of it.
     #[arg(long, value_parser = rpi_driver::parse_duration, value_name = "TIME", default_value = "1ms")]
     pub(crate) period: u64,
-    /// Policy for the commands of a disconnected client, unless the client specifies one.
+    /// Policy for the commands of a client that has disconnected, unless the client specifies one.
     #[arg(long, value_name = "POLICY", value_parser = on_loss, default_value = "cancel")]
     pub(crate) on_loss: OnLoss,
-    /// Time in which a cancelled command must end, unless the client specifies one; afterwards it is aborted.
+    /// Time in which a cancelled command must end, such as 5s, unless the client specifies one; afterwards it is
+    /// aborted.
     #[arg(long, value_parser = rpi_driver::parse_duration, value_name = "TIME", default_value = "5s")]
     pub(crate) grace: u64,
+    /// Append each line of the log to this file, as a JSON object with time, level and message.
+    #[arg(long, value_name = "FILE")]
+    pub(crate) log: Option<PathBuf>,
+    /// Time in which the text of a client must be compiled.
+    #[arg(long, value_parser = rpi_driver::parse_duration, value_name = "TIME", default_value = "60s", conflicts_with = "in_process")]
+    pub(crate) load_timeout: u64,
+    /// Compile the texts of clients in the process of the server, without limits of memory and time.
+    #[arg(long)]
+    pub(crate) in_process: bool,
     #[command(flatten)]
     pub(crate) share: BudgetArgs,
     #[command(flatten)]
@@ -261,6 +289,8 @@ pub(crate) struct ServeArgs {
     /// `rpi replay`.
     #[arg(long, value_name = "FILE")]
     pub(crate) record: Option<PathBuf>,
+    #[command(flatten)]
+    pub(crate) recording: RecordingArgs,
     /// Policy for a takeover with a jump of position, velocity or acceleration. Default: `refuse` for programs, `allow`
     /// for nets, as the reference system has no such check.
     #[arg(long, value_name = "POLICY")]
@@ -280,7 +310,7 @@ fn on_loss(name: &str) -> Result<OnLoss, String> {
     })
 }
 
-/// Options for running a single node.
+/// Options of `rpi run` for running a single node instead of a command.
 #[derive(Args, Debug)]
 pub(crate) struct NodeArgs {
     /// Node to run; default: the one marked by --%MAIN, or named like the file, or the last one that is never called.
@@ -292,23 +322,23 @@ pub(crate) struct NodeArgs {
     /// File for the table of outputs; default: standard output.
     #[arg(long, value_name = "FILE", help_heading = "Single nodes")]
     pub(crate) outputs: Option<PathBuf>,
-    /// Show the node's local flows, too.
+    /// Show the local flows of the node in the table of outputs, too.
     #[arg(long, help_heading = "Single nodes")]
     pub(crate) locals: bool,
-    /// Prompt for the inputs of each cycle.
+    /// Prompt for the inputs of each cycle on standard input.
     #[arg(long, conflicts_with = "inputs", help_heading = "Single nodes")]
     pub(crate) step: bool,
     /// Generate random inputs from this seed that satisfy the assumptions of the node, for the number of cycles of
     /// --cycles.
     #[arg(long, value_name = "SEED", conflicts_with_all = ["inputs", "step"], help_heading = "Single nodes")]
     pub(crate) random: Option<u64>,
-    /// Write enum values as numbers.
+    /// Write enum values as numbers instead of names in the table of outputs.
     #[arg(long, help_heading = "Single nodes")]
     pub(crate) numbers: bool,
 }
 
 impl NodeArgs {
-    /// Returns whether a node is to be run.
+    /// Returns true if the options ask for a single node to be run instead of a command.
     pub(crate) fn is_present(&self) -> bool {
         let by_itself = self.step || self.locals || self.random.is_some();
         by_itself || self.node.is_some() || self.inputs.is_some()
@@ -318,20 +348,20 @@ impl NodeArgs {
 /// Options of `rpi trace`.
 #[derive(Args, Debug)]
 pub(crate) struct TraceArgs {
-    /// File to run, or recording to read.
+    /// Program, net or image to run, or recording to read.
     pub(crate) source: PathBuf,
     #[command(flatten)]
     pub(crate) target: Target,
-    /// Write to this file instead of standard output.
+    /// Write the rows to this file instead of standard output.
     #[arg(long, short, value_name = "FILE")]
     pub(crate) output: Option<PathBuf>,
-    /// Only flows whose names match; `*` matches any text; may be repeated.
+    /// Print only flows whose names match this pattern, in which `*` matches any text; may be repeated.
     #[arg(long, value_name = "PATTERN")]
     pub(crate) flow: Vec<String>,
-    /// Only cycles from this one on.
+    /// Print only cycles from this number on, as numbered in the rows.
     #[arg(long, value_name = "N", default_value_t = 0)]
     pub(crate) from: u64,
-    /// Only cycles up to this one.
+    /// Print only cycles up to this number, as numbered in the rows.
     #[arg(long, value_name = "N", default_value_t = u64::MAX - 1, hide_default_value = true)]
     pub(crate) to: u64,
 }
@@ -339,21 +369,22 @@ pub(crate) struct TraceArgs {
 /// Options of `rpi replay`.
 #[derive(Args, Debug)]
 pub(crate) struct ReplayArgs {
-    /// A recording (.mcap), a net (.rpinet) or a program (.rpi), plain or .gz.
+    /// Recording (.mcap), net (.rpinet) or program (.rpi) to replay, plain or .gz.
     pub(crate) net: PathBuf,
-    /// Trace, tab- or comma-separated, plain or .gz. If repeated, the traces are joined.
+    /// Recorded trace with which the run is compared, tab- or comma-separated, plain or .gz. If repeated, the traces
+    /// are joined.
     #[arg(long, value_name = "FILE")]
     pub(crate) trace: Vec<PathBuf>,
-    /// Command, if the program has several.
+    /// Command to replay, if the program has several.
     #[arg(long, value_name = "NAME")]
     pub(crate) command: Option<String>,
-    /// Period at which the trace was recorded.
+    /// Period of the cycle at which the trace was recorded, such as 25ms.
     #[arg(long, default_value = "25ms", value_parser = rpi_driver::parse_duration)]
     pub(crate) period: u64,
-    /// Tolerance of the comparison, absolute up to 1 and relative beyond.
+    /// Tolerance of the comparison of reals: absolute for values up to 1, relative beyond.
     #[arg(long, default_value_t = 1e-9, value_parser = tolerance)]
     pub(crate) tolerance: f64,
-    /// Print the report as JSON.
+    /// Print the report of the comparison as JSON.
     #[arg(long)]
     pub(crate) json: bool,
 }
@@ -361,33 +392,36 @@ pub(crate) struct ReplayArgs {
 /// Options of `rpi latency`.
 #[derive(Args, Debug)]
 pub(crate) struct LatencyArgs {
-    /// Period at which the thread is woken.
+    /// Period at which the measured thread is woken, such as 1ms.
     #[arg(long, value_parser = rpi_driver::parse_duration, value_name = "TIME", default_value = "1ms")]
     pub(crate) period: u64,
-    /// Duration of the measurement.
+    /// Duration of the measurement, such as 10s.
     #[arg(long, value_parser = rpi_driver::parse_duration, value_name = "TIME", default_value = "10s")]
     pub(crate) time: u64,
-    /// SCHED_FIFO priority, 1 to 99.
+    /// SCHED_FIFO priority of the measured thread, 1 to 99.
     #[arg(long, value_name = "N", default_value_t = SchedulingOptions::default().priority, value_parser = value_parser!(u8).range(1..100))]
     pub(crate) priority: u8,
-    /// Core of the thread; default: the last one.
+    /// Processor core of the measured thread, counted from 0; default: the last one.
     #[arg(long, value_name = "N")]
     pub(crate) core: Option<usize>,
+    /// Number of threads that keep the processor and the memory busy during the measurement.
+    #[arg(long, value_name = "N", default_value_t = 0)]
+    pub(crate) load: usize,
     /// Run this program in real time for the same duration first, and include its cycle times.
     #[arg(long, value_name = "FILE")]
     pub(crate) program: Option<PathBuf>,
-    /// Description of the program's devices; default: `cell.toml` beside the program.
+    /// Cell description with the devices of the program; default: `cell.toml` beside the program.
     #[arg(long, value_name = "FILE", requires = "program")]
     pub(crate) cell: Option<PathBuf>,
-    /// Command or task of the program, if there are several.
+    /// Command or task of the program, if it has several.
     #[arg(long, value_name = "NAME", requires = "program")]
     pub(crate) command: Option<String>,
-    /// Print the figures as JSON.
+    /// Print the measured figures as JSON.
     #[arg(long)]
     pub(crate) json: bool,
 }
 
-/// Parses a share from 0 to 1.
+/// Parses the value of `--override`: a share of the programmed speed from 0 to 1. Returns a message for any other text.
 fn parse_override(text: &str) -> Result<f64, String> {
     let share = text
         .parse()

@@ -6,32 +6,36 @@ use std::path::{Path, PathBuf};
 use clap::Args;
 use rpi_runtime::control::Budget;
 
-/// Options for the load of commands.
+/// Options that limit the computing time of commands in a cycle.
 #[derive(Args, Debug)]
 pub(crate) struct BudgetArgs {
-    /// Maximum share of a cycle for all commands together, in percent, by the compiler's bounds; default 80, `off` for
-    /// no limit. Commands beyond it are rejected.
+    /// Maximum share of a cycle for all commands together, in percent, by the work bounds of the compiler; default 80,
+    /// `off` for no limit. A command that would exceed the share is rejected.
     #[arg(long, value_name = "PERCENT", value_parser = share)]
     cycle_share: Option<CycleShare>,
-    /// Measurements of `rpic machine` for these bounds; without it, 2.5 ns per operation.
+    /// File with the measurements of `rpic machine`, from which work bounds become times; without it, 2.5 ns per
+    /// operation.
     #[arg(long, value_name = "FILE")]
     machine: Option<PathBuf>,
 }
 
 impl BudgetArgs {
-    /// Returns whether one of the options is present.
+    /// Returns true if one of the options is present on the command line.
     pub(crate) fn is_present(&self) -> bool {
         self.cycle_share.is_some() || self.machine.is_some()
     }
 
-    /// Returns the share of a tick, from 0 to 1; `None` for no limit.
+    /// Returns the maximum share of a cycle for all commands together, from 0 to 1; `None` for no limit.
     pub(crate) fn parse_share(&self) -> Option<f64> {
         self.cycle_share
             .map_or(Some(Budget::SHARE), |share| share.0)
     }
 
-    /// Returns the time of an elementary operation in nanoseconds: from the file of the option, else from the file
-    /// `beside` if it exists, else the default.
+    /// Returns the time of an elementary operation in nanoseconds: from the file that the option names, else from the
+    /// file `beside` if it exists, else the default of 2.5 ns.
+    ///
+    /// # Errors
+    /// Returns an error if the file cannot be read or is invalid.
     pub(crate) fn ns_per_operation(&self, beside: Option<&Path>) -> Result<f64, Box<dyn Error>> {
         let beside = beside.filter(|path| path.is_file());
         let measured = self.machine.as_deref().or(beside);
@@ -42,7 +46,7 @@ impl BudgetArgs {
     }
 }
 
-/// A share of a tick from 0 to 1; `None` for no limit.
+/// Maximum share of a cycle for all commands together, from 0 to 1; `None` for no limit.
 #[derive(Clone, Copy, PartialEq, Debug)]
 struct CycleShare(Option<f64>);
 

@@ -2,20 +2,20 @@
 
 use std::process::ExitCode;
 
-/// Exit status.
+/// Exit status of `rpi`.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub(crate) enum Exit {
-    /// The tool has succeeded.
+    /// Status 0: the tool has succeeded.
     Success,
-    /// A command ended with an error, or a trace differs.
+    /// Status 1: a command ended with an error, or a replay differs from the recorded trace.
     CommandError,
-    /// A file, an option or a program is invalid.
+    /// Status 2: a file, an option or a program is invalid.
     BadInput,
-    /// A fault occurred while a command ran.
+    /// Status 3: a fault occurred while a command ran.
     Fault,
-    /// The tool was interrupted by a signal.
+    /// Status 128 + signal number: a signal interrupted the tool.
     Interrupted {
-        /// Signal number: 2 for SIGINT, 15 for SIGTERM.
+        /// Number of the signal: 1 for SIGHUP, 2 for SIGINT, 15 for SIGTERM.
         signal: u8,
     },
 }
@@ -32,5 +32,5 @@ impl From<Exit> for ExitCode {
     }
 }
 
-/// Result of a subcommand. The error is printed for the user.
+/// Result of a subcommand: the exit status, or an error that is printed for the user.
 pub(crate) type CommandResult = rpi_cli::CommandResult<Exit>;

@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use rpi_core::{Continuity, MotionControls};
 use rpi_driver::ClaimPolicy;
-use rpi_runtime::latency::{CycleTiming, measure, verdict};
+use rpi_runtime::latency::{CycleTiming, MeasuringOptions, measure, verdict};
 use rpi_runtime::realtime::{RealTime, SchedulingOptions, TimeBase};
 use rpi_runtime::run::{self, Limits, RunOptions};
 
@@ -13,11 +13,18 @@ use crate::exit::{CommandResult, Exit};
 use crate::program;
 use crate::target;
 
-/// Carries out `rpi latency`: measures the wake-up latency and prints the shortest period that the machine can meet.
+/// Carries out `rpi latency`: measures the wake-up delay of a thread, and prints the shortest period that the machine
+/// can meet.
 pub(crate) fn latency(args: &LatencyArgs) -> CommandResult {
     let load = args.program.as_ref().map(|_| load(args)).transpose()?;
     let count = (args.time / args.period).max(1);
-    let verdict = verdict(measure(thread_settings(args), args.period, count)?, load);
+    let wakes = measure(MeasuringOptions {
+        resources: thread_settings(args),
+        period_ns: args.period,
+        count,
+        busy_threads: args.load,
+    })?;
+    let verdict = verdict(wakes, load);
     rpi_cli::print(&match args.json {
         true => format!("{}\n", verdict.to_json()),
         false => verdict.to_string(),
@@ -32,7 +39,7 @@ fn thread_settings(args: &LatencyArgs) -> SchedulingOptions {
     }
 }
 
-/// Runs the program in real time and returns the statistics of its cycles.
+/// Runs the program that the options name in real time, and returns the statistics of its cycle times.
 fn load(args: &LatencyArgs) -> Result<CycleTiming, Box<dyn std::error::Error>> {
     let path = args.program.clone().unwrap_or_default();
     let compiled = program::load(&path, ClaimPolicy::Off)?;

@@ -1,4 +1,5 @@
-//! Command-line tool of the control core: `rpi run`, `rpi serve`, `rpi replay`, `rpi trace`, `rpi latency`.
+//! Command-line tool of the control core: `rpi run`, `rpi serve`, `rpi replay`, `rpi trace`, `rpi latency`,
+//! `rpi robot`, `rpi cell`.
 //!
 //! Exit status: 0 for success, 1 for a command's error or a differing trace, 2 for invalid input, 3 for a fault while
 //! running.
@@ -11,12 +12,17 @@ mod interrupt;
 mod latency;
 mod node;
 mod output;
+mod own_program;
 mod program;
 mod random;
 mod random_inputs;
+mod recording_args;
 mod replay;
+mod robot;
+mod robot_args;
 mod run;
 mod serve;
+mod socket_arg;
 mod target;
 mod trace;
 
@@ -26,6 +32,7 @@ use std::process::ExitCode;
 use args::{Cli, CliCommand};
 use clap::Parser;
 use exit::{CommandResult, Exit};
+use robot_args::CellCommand;
 
 fn main() -> ExitCode {
     let cli = Cli::parse();
@@ -36,19 +43,23 @@ fn main() -> ExitCode {
         CliCommand::Trace(args) => trace::trace(&args),
         CliCommand::Replay(args) => replay::replay(&args),
         CliCommand::Latency(args) => latency::latency(&args),
+        CliCommand::Robot(command) => robot::robot(&command),
+        CliCommand::Cell(CellCommand::Check { cell }) => cell_file::check(&cell),
+        CliCommand::CompileWorker => serve::compile_worker(),
+        CliCommand::Cell(CellCommand::Schema) => cell_file::schema(),
         CliCommand::Completions { shell } => completions(shell),
         CliCommand::Man { folder } => man_pages(&folder),
     };
     rpi_cli::exit_code(done, Exit::BadInput)
 }
 
-/// Prints the completion script of a shell.
+/// Carries out `rpi completions`: prints the completion script of a shell.
 fn completions(shell: rpi_cli::Shell) -> CommandResult {
     rpi_cli::print_completions::<Cli>(shell);
     Ok(Exit::Success)
 }
 
-/// Writes the manual pages to a folder.
+/// Carries out `rpi man`: writes the manual pages of all subcommands to a folder.
 fn man_pages(folder: &Path) -> CommandResult {
     rpi_cli::write_man_pages::<Cli>(folder)?;
     Ok(Exit::Success)

@@ -17,7 +17,8 @@ use crate::random::InputGenerator;
 use crate::random_inputs::InputSearch;
 use crate::target::PERIOD;
 
-/// Carries out `rpi run` for a single node: compiles it and runs it on the rows of a table of inputs.
+/// Carries out `rpi run` for a single node: compiles it and runs it on a table of inputs, on typed inputs or on random
+/// inputs.
 pub(crate) fn run(args: &RunArgs) -> CommandResult {
     check_options(args)?;
     let input = rpi_driver::read(&args.program)?;
@@ -61,7 +62,7 @@ pub(crate) fn run(args: &RunArgs) -> CommandResult {
     exit
 }
 
-/// Returns an error if an option is present that does not apply to a single node.
+/// Returns an error if an option is present that does not apply to the run of a single node.
 fn check_options(args: &RunArgs) -> Result<(), String> {
     let target = &args.target;
     let given = [
@@ -98,14 +99,14 @@ fn output(program: &Path, args: &NodeArgs) -> Result<Box<dyn Write>, Box<dyn Err
     Ok(Box::new(BufWriter::new(file)))
 }
 
-/// A node that is run, with the destination of its outputs.
+/// Run of a single node, with the destination of its outputs.
 struct NodeSession {
     run: NodeRun,
     shown: Vec<Column>,
     out: Box<dyn Write>,
     sources: SourceMap,
     style: Style,
-    /// Whether an absent flow is shown with its latest value.
+    /// True if an absent value of a flow is shown as the latest value of the flow.
     holds_last: bool,
     last: ColumnValues,
 }
@@ -115,9 +116,11 @@ impl NodeSession {
         writeln!(self.out, "{}", header_line(self.shown.iter()))
     }
 
-    /// Runs one cycle. Returns false if it had an error.
+    /// Runs one cycle with the given inputs (one for each in-port, as memory slots), writes the outputs and prints
+    /// diagnostics. Returns false if there was an error.
     fn cycle(&mut self, given: &[Option<Vec<u64>>]) -> std::io::Result<bool> {
-        let cycle = self.run.cycle(given);
+        let mut cycle = self.run.cycle(given);
+        rpi_diag::fill_quotes(&mut cycle.diagnostics, &self.sources);
         if let Some(row) = cycle.row {
             let row = self.hold_absent(row);
             let columns: Vec<&Column> = self.shown.iter().collect();
@@ -133,7 +136,8 @@ impl NodeSession {
         Ok(!severities.any(|severity| severity == Severity::Error))
     }
 
-    /// Replaces absent values by the latest ones, as Lustre tools do for a sampled flow between its ticks.
+    /// Returns the row of outputs with each absent value replaced by the latest one, as Lustre tools do for a sampled
+    /// flow between its ticks. Does nothing unless `holds_last` is true.
     fn hold_absent(&mut self, row: ColumnValues) -> ColumnValues {
         if !self.holds_last {
             return row;
@@ -176,7 +180,8 @@ impl NodeSession {
         Ok(Exit::Success)
     }
 
-    /// Reads the inputs of each cycle from standard input until its end.
+    /// Runs the node with inputs that the user types: reads a line with the inputs of each cycle from standard input
+    /// until its end.
     fn steps(&mut self, columns: &[Column]) -> CommandResult {
         let names = header_line(columns.iter());
         let reader = TableReader::new(columns, &names).map_err(|e| e.to_string())?;
@@ -217,7 +222,8 @@ impl NodeSession {
     }
 }
 
-/// Returns the input rows: random ones that satisfy the assumptions, or empty ones for a node without in-ports.
+/// Returns the inputs for each cycle of `--cycles`: random ones that satisfy the assumptions of the node, or empty ones
+/// for a node without in-ports.
 fn generate_inputs(
     args: &RunArgs,
     input: &Input,

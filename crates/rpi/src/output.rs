@@ -4,7 +4,8 @@ use std::error::Error;
 use std::fs::File;
 use std::path::Path;
 
-/// Creates an output file. Returns an error if the file is one of the inputs `sources`.
+/// Creates an output file. Returns an error if the file is one of `sources`, the input files of the run, because it
+/// would be overwritten.
 pub(crate) fn create(path: &Path, sources: &[&Path]) -> Result<File, Box<dyn Error>> {
     if sources
         .iter()

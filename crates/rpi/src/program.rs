@@ -6,7 +6,7 @@ use std::path::Path;
 use rpi_diag::{Style, render};
 use rpi_driver::{AnalysedNet, CompileOptions, Compiled, Task, UnboundCommand};
 
-/// Compiles a file and prints its diagnostics. Returns an error if there are errors.
+/// Compiles a file and prints its diagnostics. Returns an error if the file cannot be read or does not compile.
 pub(crate) fn load(
     path: &Path,
     options: impl Into<CompileOptions>,
@@ -23,7 +23,8 @@ pub(crate) fn load(
     Ok(compiled)
 }
 
-/// Returns the command with this name, or the only command. `tasks` are other valid names for the error message.
+/// Returns the net of the command called `name`, or of the only command if `name` is `None`. `tasks` gives further
+/// valid names for the error message.
 pub(crate) fn select_command<'a>(
     compiled: &'a Compiled,
     tasks: &[Task],
@@ -53,20 +54,20 @@ pub(crate) fn select_command<'a>(
     }
 }
 
-/// Error: no command of a program can be chosen.
+/// Reason why no command of a program can be selected.
 #[derive(Clone, Debug)]
 pub(crate) enum SelectionError {
     /// The program has no command.
     NoCommand,
-    /// The program has several commands and none is named; the names of all commands and tasks.
+    /// The program has several commands and the user names none. The field holds the names of all commands and tasks.
     Ambiguous(Vec<String>),
-    /// The program has no command or task of this name.
+    /// The program has no command or task called `name`.
     Unknown {
         name: String,
-        /// Names of all commands and tasks.
+        /// Names of all commands and tasks of the program.
         known: Vec<String>,
     },
-    /// The command has parameters without a value.
+    /// The command has parameters without a value, so that it cannot run alone.
     OpenParameters(UnboundCommand),
 }
 
@@ -99,7 +100,7 @@ impl fmt::Display for SelectionError {
 
 impl std::error::Error for SelectionError {}
 
-/// Returns the error message for a command with open parameters.
+/// Returns the error message for a command that has parameters without a value, with the declarations that are missing.
 fn missing_arguments(unset: &UnboundCommand) -> String {
     let params = unset.params.iter();
     let [quoted, declared] = [("`", "`"), ("const ", " = ...;")].map(|(before, after)| {

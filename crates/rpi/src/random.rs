@@ -3,7 +3,8 @@
 use rpi_image::{Scalar, Type, Value};
 use rpi_net::Column;
 
-/// Generator of random inputs: a Xorshift pseudo-random number generator (Marsaglia, Xorshift RNGs, 2003).
+/// Generator of random inputs of a node: a Xorshift pseudo-random number generator (Marsaglia, Xorshift RNGs, 2003).
+/// Its state is never 0.
 pub(crate) struct InputGenerator(u64);
 
 impl InputGenerator {
@@ -20,12 +21,12 @@ impl InputGenerator {
         self.0 >> 11
     }
 
-    /// Returns true with probability 3/4: the value of the previous cycle is kept.
+    /// Returns true with probability 3/4: the input then has the same value as in the previous cycle.
     pub(crate) fn keeps_previous(&mut self) -> bool {
         !self.next().is_multiple_of(4)
     }
 
-    /// Returns a random value of a column as memory slots. An optional column is absent with probability 1/4.
+    /// Returns a random value of an input as memory slots. An optional input is absent (`None`) with probability 1/4.
     pub(crate) fn value(&mut self, column: &Column) -> Option<Vec<u64>> {
         match column.optional && self.next().is_multiple_of(4) {
             true => None,
@@ -33,7 +34,7 @@ impl InputGenerator {
         }
     }
 
-    /// Returns an integer of a subrange: a small one or one near an end.
+    /// Returns a random integer of the subrange from `least` to `most`: near 0, or near an end of the subrange.
     fn integer_in(&mut self, [least, most]: [i64; 2]) -> i64 {
         let step = i64::try_from(self.next() % 5).unwrap_or(0);
         let (begin, step) = match self.next() % 3 {
@@ -44,8 +45,8 @@ impl InputGenerator {
         begin.saturating_add(step).clamp(least, most)
     }
 
-    /// Returns a random value as memory slots: small integers or those near an end of the subrange, enum values, reals
-    /// from -5 to 5.
+    /// Returns a random value of an input as memory slots: an integer from 0 to 4 or near an end of its subrange, an
+    /// enum value, or a real from -5 to 5. Inputs of other types have their neutral value.
     fn slots(&mut self, column: &Column) -> Vec<u64> {
         match column.scalar {
             Scalar::Bool => vec![self.next() % 2],

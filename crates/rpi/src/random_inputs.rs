@@ -11,17 +11,17 @@ use rpi_replay::node_runner::{ColumnValues, NodeLoadError, NodeRun};
 
 use crate::random::InputGenerator;
 
-/// Maximum number of random rows that are tried for one cycle.
+/// Maximum number of random rows of inputs that are tried for one cycle.
 const MAX_TRIES: u32 = 200;
 
-/// Error: no rows of inputs can be found.
+/// Reason why no random inputs can be found.
 #[derive(Clone, PartialEq, Debug)]
 pub(crate) enum InputSearchError {
-    /// The node cannot be loaded.
+    /// The node cannot be loaded for the trial runs.
     Load(NodeLoadError),
-    /// None of the rows tried for a cycle satisfies the assumptions of the node.
+    /// None of the inputs tried for a cycle satisfies the assumptions of the node.
     Exhausted {
-        /// Cycle without a row, from 0.
+        /// Number of the cycle for which no inputs were found, from 0.
         cycle: usize,
     },
 }
@@ -40,7 +40,7 @@ impl fmt::Display for InputSearchError {
 
 impl std::error::Error for InputSearchError {}
 
-/// Search for random rows of inputs that satisfy the assumptions of a node.
+/// Search for random inputs that satisfy the assumptions of a node.
 pub(crate) struct InputSearch {
     image: Image,
     inputs: Vec<Column>,
@@ -48,8 +48,8 @@ pub(crate) struct InputSearch {
 }
 
 impl InputSearch {
-    /// Creates the search. Of `claims`, it keeps those that constrain the inputs; they are only observed and do not end
-    /// the run.
+    /// Creates the search. Only the assertions and assumptions in `claims` constrain the inputs. A violated one does
+    /// not end the trial run, so that other inputs can be tried.
     pub(crate) fn new(image: Image, inputs: &[Column], claims: &[Claim]) -> InputSearch {
         let is_assumed = |claim: &&Claim| match claim.kind {
             ClaimKind::Assert => true,
@@ -63,10 +63,10 @@ impl InputSearch {
         }
     }
 
-    /// Returns rows for `cycles` cycles; fewer if the node has a fault earlier.
+    /// Returns the inputs for each of `cycles` cycles, or for fewer cycles if the node has a fault earlier.
     ///
     /// # Errors
-    /// If no tried row satisfies the assumptions in some cycle.
+    /// Returns an error if none of the tried inputs satisfies the assumptions in some cycle.
     pub(crate) fn rows(
         &self,
         random: &mut InputGenerator,
@@ -94,7 +94,8 @@ impl InputSearch {
         Ok(rows)
     }
 
-    /// Draws a row. With `last`, used for every second try, most values are those of the previous cycle.
+    /// Returns random inputs for one cycle. If `last` (the inputs of the previous cycle) is given, most values are
+    /// taken from it; the search does so in every second try.
     fn draw_row(&self, random: &mut InputGenerator, last: Option<&ColumnValues>) -> ColumnValues {
         let mut row = ColumnValues::with_capacity(self.inputs.len());
         for (k, column) in self.inputs.iter().enumerate() {
@@ -115,7 +116,8 @@ impl InputSearch {
     }
 }
 
-/// Returns whether a claim belongs to the node itself: to its contract or to one that this imports.
+/// Returns whether a claim belongs to the node itself: to its contract, or to a contract that it imports. `path` is the
+/// path of the calls that lead to the claim.
 fn is_own_claim(path: &str) -> bool {
     path.split('.').all(|part| matches!(part, "" | "_"))
 }

@@ -12,7 +12,7 @@ use crate::exit::{CommandResult, Exit};
 use crate::program;
 use crate::run::is_mcap;
 
-/// Carries out `rpi replay`: replays a recording, or a net against a trace, and prints the report.
+/// Carries out `rpi replay`: replays a recording, or a net against a recorded trace, and prints the differences.
 pub(crate) fn replay(args: &ReplayArgs) -> CommandResult {
     if is_mcap(&args.net) {
         return match args.trace.is_empty() && args.command.is_none() {
@@ -43,11 +43,10 @@ pub(crate) fn replay(args: &ReplayArgs) -> CommandResult {
     Ok(verdict(report.agrees()))
 }
 
-/// Runs the commands of a recording again and compares every value with the recorded one.
+/// Runs the commands of a recording again, compares every value with the recorded one, and prints the differences.
 fn replay_recording(args: &ReplayArgs) -> CommandResult {
     let name = args.net.display();
-    let bytes = std::fs::read(&args.net).map_err(|e| format!("{name}: {e}"))?;
-    let recording = Recording::read(&bytes).map_err(|e| format!("{name}: {e}"))?;
+    let recording = Recording::open(&args.net).map_err(|e| format!("{name}: {e}"))?;
     let report = mcap::replay(&recording).map_err(|e| format!("{name}: {e}"))?;
     rpi_cli::print(&match args.json {
         true => format!("{}\n", report.to_json()),

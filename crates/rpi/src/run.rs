@@ -9,7 +9,7 @@ use std::time::Duration;
 use rpi_core::MotionControls;
 use rpi_diag::{Style, render};
 use rpi_driver::{AnalysedNet, CompileOptions, Compiled, Program};
-use rpi_record::mcap::{RecordingOptions as Recording, RunSources};
+use rpi_record::mcap::RunSources;
 use rpi_record::sample_output::{DigestSink, SampleFormat, SampleWriter};
 use rpi_replay::faults::Faults;
 use rpi_replay::monitor::ClaimMonitorSink;
@@ -30,15 +30,12 @@ use crate::program;
 use crate::target;
 use rpi_serve::TaskBundle;
 
-/// Carries out `rpi run`: runs commands, records the run and prints the summary.
+/// Carries out `rpi run`: runs commands or a task with a cell, records the run and prints the summary.
 pub(crate) fn run(args: &RunArgs) -> exit::CommandResult {
     let compiled = compile(args)?;
     let bundle = target::task_bundle(&compiled, &args.target, target::lower_for_run)?;
     target::ensure_inputs_set(&compiled, &args.target, &bundle)?;
-    let (record, plot) = (args.record.as_deref(), args.plot.as_deref());
-    if record.is_some() && record == plot {
-        return Err("--record and --plot must name different files".into());
-    }
+    let (record, plot) = output_files(args)?;
     let mut rows = record
         .filter(|path| !is_mcap(path))
         .map(|path| rows_file(path, args))
@@ -91,7 +88,20 @@ pub(crate) fn run(args: &RunArgs) -> exit::CommandResult {
     Ok(exit(&outcome, &interrupt))
 }
 
-/// Writes the plot of the motion to the file.
+/// Returns the paths of the recording and of the plot, or an error if the options for them contradict one another.
+fn output_files(args: &RunArgs) -> Result<(Option<&Path>, Option<&Path>), &'static str> {
+    let (record, plot) = (args.record.as_deref(), args.plot.as_deref());
+    if record.is_some() && record == plot {
+        return Err("--record and --plot must name different files");
+    }
+    if args.recording.needs_mcap() && !record.is_some_and(is_mcap) {
+        return Err("--profile, --part-size and --part-time need --record FILE.mcap");
+    }
+    Ok((record, plot))
+}
+
+/// Writes the plot of the motion as SVG to the file `picture`. `outcome` is the result of the run, which the plot
+/// shows, too.
 fn draw(
     args: &RunArgs,
     motion: &MotionSink,
@@ -117,7 +127,7 @@ fn compile(args: &RunArgs) -> Result<Compiled, Box<dyn Error>> {
     program::load(&args.program, options)
 }
 
-/// Creates the observer of assertions and contracts of all commands that run.
+/// Creates the observer that reports violated assertions and contracts of all commands that run.
 fn claims(compiled: &Compiled, bundle: &TaskBundle) -> ClaimMonitorSink {
     let runs = |net: &&AnalysedNet| bundle.images.iter().any(|image| image.name == net.name);
     let nets = compiled.nets().iter().filter(runs);
@@ -177,11 +187,12 @@ fn execute(
     })
 }
 
-/// Help for commands that exceed their share of a cycle.
+/// Help text for an error that commands exceed their share of a cycle.
 const BUDGET_HELP: &str = "reduce its work per cycle, use a longer --period, measure the machine (`rpic machine`, --machine FILE), \
     or raise --cycle-share PERCENT (`off` for no limit); see `rpic explain RPI7003`";
 
-/// Returns the time budget of commands in a tick; `None` on simulated time, where a cycle may take any time.
+/// Returns the maximum computing time of commands in a cycle, with their work bounds. `tick_ns` is the length of the
+/// cycle in ns. Returns `None` without a limit, and on simulated time, where a cycle may take any time.
 fn share<'a>(
     args: &RunArgs,
     bundle: &'a TaskBundle,
@@ -199,30 +210,31 @@ fn share<'a>(
     share.map(budget).transpose()
 }
 
-/// Returns whether a file is an MCAP recording, by its extension.
+/// Returns true if a file is a recording in the format MCAP, by its extension `.mcap`.
 pub(crate) fn is_mcap(path: &Path) -> bool {
     path.extension()
         .is_some_and(|extension| extension == "mcap")
 }
 
-/// Creates an MCAP recording, which can be replayed.
+/// Creates a recording in the format MCAP, which contains everything that `rpi replay` needs. `cell` is the text of the
+/// cell description.
 fn mcap_recording(
     path: &Path,
     args: &RunArgs,
     cell: String,
 ) -> Result<Box<dyn StartRecording>, Box<dyn Error>> {
     let name = args.program.file_name().unwrap_or_default();
-    Ok(Box::new(Recording {
-        out: Box::new(BufWriter::new(create(path, args)?)),
-        origin: RunSources {
-            program: name.to_string_lossy().into_owned(),
-            program_bytes: std::fs::read(&args.program)?,
-            cell,
-        },
-    }))
+    let origin = RunSources {
+        program: name.to_string_lossy().into_owned(),
+        program_bytes: std::fs::read(&args.program)?,
+        cell,
+    };
+    let first = create(path, args)?;
+    Ok(Box::new(args.recording.options((path, first), origin)))
 }
 
-/// Creates an output file; returns an error if it is the program or the cell.
+/// Creates an output file of the run. Returns an error if the file is the program or the cell description, because it
+/// would be overwritten.
 fn create(path: &Path, args: &RunArgs) -> Result<File, Box<dyn Error>> {
     let cell = target::cell_file(&args.program, &args.target);
     output::create(path, &[&args.program, &cell])
@@ -243,7 +255,7 @@ fn exit(outcome: &Outcome, interrupt: &Interrupt) -> Exit {
     }
 }
 
-/// Line on the terminal that shows the progress of a run.
+/// Line on the terminal that shows the progress of a run: the running command and the time since the start.
 #[derive(Default)]
 struct ProgressLine {
     shown: bool,

@@ -1,33 +1,36 @@
 //! `rpi serve`: the control core as a server.
 
 use std::fs::File;
-use std::io::BufWriter;
 use std::path::Path;
 use std::sync::atomic::Ordering;
 use std::time::Duration;
 
 use rpi_diag::with_noun;
 use rpi_record::mcap::{RecordingOptions, RunSources};
-use rpi_serve::{OpenError, Server, Settings, TlsFiles};
+use rpi_serve::{
+    CompilerSettings, OpenError, Server, Settings, TlsFiles, WorkerSettings, read_tokens,
+};
 
 use crate::args::ServeArgs;
 use crate::cell_file;
 use crate::exit::{self, Exit};
 use crate::interrupt::Interrupt;
+use crate::own_program::own_program;
 use crate::run::is_mcap;
 
-/// Carries out `rpi serve`: runs the server until it is interrupted; then stops everything and closes once the devices
-/// are at rest.
+/// Carries out `rpi serve`: runs the server until a signal interrupts it, then stops all commands and closes the server
+/// as soon as the devices are at rest.
 pub(crate) fn serve(args: &ServeArgs) -> exit::CommandResult {
     let cell = args.cell.as_deref().map(cell_file::read).transpose()?;
     let (cell, text) = cell.unwrap_or_default();
-    let token = args.token_file.as_deref().map(read_token).transpose()?;
+    let tokens = args.token_file.as_deref().map(read_tokens).transpose();
+    let tokens = tokens.map_err(|why| why.to_string())?.unwrap_or_default();
     let settings = Settings {
         cycle_share: args.share.parse_share(),
         ns_per_operation: args.share.ns_per_operation(None)?,
         listen: args.listen,
-        socket: args.socket.clone(),
-        token,
+        sockets: args.sockets.clone(),
+        tokens,
         tls: tls(args),
         insecure: args.insecure,
         tick_ns: args.period,
@@ -35,11 +38,20 @@ pub(crate) fn serve(args: &ServeArgs) -> exit::CommandResult {
         continuity: args.on_jump.map(Into::into),
         on_loss: args.on_loss,
         grace: Duration::from_nanos(args.grace),
+        log_file: args.log.clone(),
+        compiler: compiler(args)?,
         ..Settings::default()
     };
-    let recording = args.record.as_deref().map(|path| recording(path, text));
+    let recording = args
+        .record
+        .as_deref()
+        .map(|path| recording(path, args, text));
+    if args.recording.needs_mcap() && args.record.is_none() {
+        return Err("--profile, --part-size and --part-time need --record FILE.mcap".into());
+    }
     let interrupt = Interrupt::listen()?;
-    let (interrupted, emergency) = (interrupt.flag(), interrupt.emergency());
+    interrupt.listen_for_reset()?;
+    let interrupted = interrupt.flag();
     let server = Server::open_recorded(&cell, &settings, (), recording.transpose()?);
     let server = server.map_err(with_hint)?;
     server
@@ -49,10 +61,7 @@ pub(crate) fn serve(args: &ServeArgs) -> exit::CommandResult {
     let scheme = args.tls_cert.as_ref().map_or("ws", |_| "wss");
     rpi_diag::println_stderr!("serving at {scheme}://{}", server.address());
     while server.runs() && !interrupted.load(Ordering::Relaxed) {
-        if emergency.swap(false, Ordering::Relaxed) {
-            server.emergency_stop("SIGQUIT");
-            rpi_diag::println_stderr!("EMERGENCY STOP; reset it by `emergency.reset` of JSON-RPC");
-        }
+        handle_operator(&server, &interrupt);
         for warning in server.warnings() {
             rpi_diag::println_stderr!("{warning}");
         }
@@ -66,11 +75,46 @@ pub(crate) fn serve(args: &ServeArgs) -> exit::CommandResult {
     Ok(Exit::Success)
 }
 
-/// Interval at which interrupts and warnings are checked.
+/// Returns where the texts of clients are compiled: in workers that run this program.
+fn compiler(args: &ServeArgs) -> Result<CompilerSettings, String> {
+    if args.in_process || !cfg!(unix) {
+        return Ok(CompilerSettings::InProcess);
+    }
+    let program = own_program().map_err(|why| format!("the path of this program: {why}"))?;
+    Ok(CompilerSettings::Workers(WorkerSettings {
+        timeout: Duration::from_nanos(args.load_timeout),
+        ..WorkerSettings::new(program, vec!["compile-worker".into()])
+    }))
+}
+
+/// Carries out `rpi compile-worker`.
+pub(crate) fn compile_worker() -> exit::CommandResult {
+    #[cfg(unix)]
+    rpi_serve::run_compile_worker().map_err(|why| why.to_string())?;
+    Ok(Exit::Success)
+}
+
+/// Carries out a pending request of the operator: an emergency stop (SIGQUIT), or its reset (SIGUSR1).
+fn handle_operator(server: &Server, interrupt: &Interrupt) {
+    if interrupt.take_emergency() {
+        server.emergency_stop("SIGQUIT");
+        let process = std::process::id();
+        rpi_diag::println_stderr!(
+            "EMERGENCY STOP; reset it with `kill -USR1 {process}`, or as a client with the role operator or admin"
+        );
+    } else if interrupt.take_reset() {
+        match server.reset_emergency() {
+            Ok(()) => rpi_diag::println_stderr!("the emergency stop was reset"),
+            Err(why) => rpi_diag::println_stderr!("the emergency stop is still in force: {why}"),
+        }
+    }
+}
+
+/// Interval at which the server process checks for signals and prints warnings.
 const POLL_INTERVAL: Duration = Duration::from_millis(20);
 
-/// Creates the recording file.
-fn recording(path: &Path, cell: String) -> Result<RecordingOptions, String> {
+/// Creates the file of a recording of the server, in the format MCAP. `cell` is the text of the cell description.
+fn recording(path: &Path, args: &ServeArgs, cell: String) -> Result<RecordingOptions, String> {
     let name = path.display();
     if !is_mcap(path) {
         return Err(format!(
@@ -78,14 +122,12 @@ fn recording(path: &Path, cell: String) -> Result<RecordingOptions, String> {
         ));
     }
     let file = File::create(path).map_err(|e| format!("{name}: {e}"))?;
-    Ok(RecordingOptions {
-        out: Box::new(BufWriter::new(file)),
-        origin: RunSources {
-            program: "server".to_owned(),
-            program_bytes: Vec::new(),
-            cell,
-        },
-    })
+    let origin = RunSources {
+        program: "server".to_owned(),
+        program_bytes: Vec::new(),
+        cell,
+    };
+    Ok(args.recording.options((path, file), origin))
 }
 
 fn tls(args: &ServeArgs) -> Option<TlsFiles> {
@@ -93,7 +135,8 @@ fn tls(args: &ServeArgs) -> Option<TlsFiles> {
     Some(TlsFiles { certificates, key })
 }
 
-/// Returns the text of an error of opening the server, with the options that would avoid it.
+/// Returns the text of an error that prevents the start of the server. For an unprotected address, it also names the
+/// missing options.
 fn with_hint(why: OpenError) -> String {
     let OpenError::Unprotected {
         no_token, no_tls, ..
@@ -110,23 +153,4 @@ fn with_hint(why: OpenError) -> String {
     format!(
         "{why}\n  add{missing}, or --insecure in an isolated network; see `rpic explain RPI9201`"
     )
-}
-
-/// Minimum length of a token in bytes.
-const MIN_TOKEN_BYTES: usize = 16;
-
-fn read_token(path: &Path) -> Result<String, String> {
-    let name = path.display();
-    let text = std::fs::read_to_string(path).map_err(|e| format!("{name}: {e}"))?;
-    match text.trim() {
-        "" => Err(format!("{name}: the file has no token")),
-        token if token.len() < MIN_TOKEN_BYTES => Err(format!(
-            "{name}: a token of {} is too short; use at least {MIN_TOKEN_BYTES}, for example of `head -c 32 /dev/urandom | base64`",
-            with_noun(token.len(), "byte")
-        )),
-        token if token.contains(char::is_whitespace) => {
-            Err(format!("{name}: a token must be a single word"))
-        }
-        token => Ok(token.to_owned()),
-    }
 }

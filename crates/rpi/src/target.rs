@@ -13,14 +13,15 @@ use crate::args::Target;
 use crate::cell_file;
 use crate::program;
 
-/// Default period in nanoseconds: 1 ms.
+/// Default period of a command in nanoseconds: 1 ms.
 pub(crate) const PERIOD: u64 = 1_000_000;
 
-/// Lowers a net with a period in nanoseconds. Returns the image, and the bound on the work of its primitives per cycle
-/// if known.
+/// Function that lowers a net to an image for a period in nanoseconds. Also returns the upper bound of the work of a
+/// cycle in elementary operations, or `None` if it is not needed.
 pub(crate) type Lower = fn(&AnalysedNet, u64) -> Result<(Image, Option<u64>), Box<dyn Error>>;
 
-/// Lowers a net to an image for `rpi run`. Also returns the work bound of a cycle.
+/// Lowers a net to an image for `rpi run`, for a period in nanoseconds. Also returns the upper bound of the work of a
+/// cycle in elementary operations.
 pub(crate) fn lower_for_run(
     net: &AnalysedNet,
     period: u64,
@@ -29,7 +30,7 @@ pub(crate) fn lower_for_run(
     Ok((image, Some(work)))
 }
 
-/// Returns whether any command uses a device.
+/// Returns whether any of the commands uses a device.
 fn needs_devices(images: &[Arc<Image>]) -> bool {
     let needs = |image: &Arc<Image>| {
         let ports = image.sensors.len() + image.actuators.len() + image.functions.len();
@@ -38,7 +39,8 @@ fn needs_devices(images: &[Arc<Image>]) -> bool {
     images.iter().any(needs)
 }
 
-/// Makes the bundle of the named command or task, else of the only task, else of the only command.
+/// Returns the images and the plan to run: of the command or task that the options name, else of the only task, else of
+/// the only command. `lower` converts each net to an image.
 pub(crate) fn task_bundle(
     compiled: &Compiled,
     target: &Target,
@@ -55,7 +57,7 @@ pub(crate) fn task_bundle(
     lower(net, period).map(TaskBundle::single)
 }
 
-/// Returns an error if a command that runs alone needs inputs from a predecessor that are not set by options.
+/// Returns an error if a command runs alone and needs inputs from a predecessor that the options do not set.
 pub(crate) fn ensure_inputs_set(
     compiled: &Compiled,
     target: &Target,
@@ -93,7 +95,8 @@ fn task<'a>(tasks: &'a [Task], name: Option<&str>) -> Option<&'a Task> {
     }
 }
 
-/// Returns the image, or an error if the period differs from the one that it was compiled for.
+/// Returns a copy of the image. Returns an error if the options name another period than that for which the image was
+/// compiled.
 fn check_image_period(image: &Image, target: &Target) -> Result<Image, Box<dyn Error>> {
     match target.period {
         Some(period) if period != image.period_ns => Err(format!(
@@ -106,14 +109,15 @@ fn check_image_period(image: &Image, target: &Target) -> Result<Image, Box<dyn E
     }
 }
 
-/// Returns the path of the cell: that of the option, else `cell.toml` beside the program, which need not exist.
+/// Returns the path of the cell description that the option names, else of `cell.toml` beside the program, which need
+/// not exist.
 pub(crate) fn cell_file(program: &Path, target: &Target) -> PathBuf {
     let beside = || program.with_file_name("cell.toml");
     target.cell.clone().unwrap_or_else(beside)
 }
 
-/// Reads the cell with its text. Without a file, returns a cell without devices, or an error if a command uses
-/// devices.
+/// Reads the cell description, and returns the cell and the text of the description. Without a file, returns a cell
+/// without devices, or an error if a command uses devices.
 pub(crate) fn cell(
     program: &Path,
     target: &Target,
@@ -129,7 +133,8 @@ pub(crate) fn cell(
     cell_file::read(&path)
 }
 
-/// Returns the maximum number of ticks of the run, if it is limited.
+/// Returns the maximum number of ticks of the run from the options `--cycles` and `--time`; `None` if the run is not
+/// limited. `tick_ns` is the length of a tick in ns.
 pub(crate) fn ticks(target: &Target, tick_ns: u64) -> Option<u64> {
     target
         .cycles

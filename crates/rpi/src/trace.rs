@@ -17,7 +17,8 @@ use crate::program;
 use crate::run::is_mcap;
 use crate::target;
 
-/// Carries out `rpi trace`: records a run as a trace, or selects rows of a recording.
+/// Carries out `rpi trace`: runs a program and writes the values of all ports as a trace, or prints the selected rows
+/// of a recording.
 pub(crate) fn trace(args: &TraceArgs) -> CommandResult {
     if is_mcap(&args.source) {
         let file = args.source.display();

@@ -3,33 +3,11 @@
 
 mod support;
 
-use std::path::{Path, PathBuf};
-use std::process::{Command, Output, Stdio};
-use std::thread::sleep;
-use std::time::{Duration, Instant};
+use std::path::Path;
 
-use rpi_record::mcap::Recording;
+use rpi_record::mcap::{Recording, part_path};
+use support::recordings::{blending, record, replay, ticks_up_to_the_cut};
 use support::{output_text, rpi};
-
-fn blending() -> PathBuf {
-    Path::new(env!("CARGO_MANIFEST_DIR")).join("../../examples/blending/blending.rpi")
-}
-
-/// Records the example. Returns the file and the output of the tool.
-fn record(folder: &Path, options: &[&str]) -> (PathBuf, String) {
-    let (program, file) = (blending(), folder.join("out.mcap"));
-    let mut arguments = vec!["run", program.to_str().unwrap()];
-    arguments.extend(["--record", file.to_str().unwrap()]);
-    arguments.extend(options);
-    let output = rpi(&arguments);
-    assert_eq!(output.status.code(), Some(0), "{}", output_text(&output));
-    (file, output_text(&output))
-}
-
-fn replay(file: &Path) -> (Option<i32>, String) {
-    let output = rpi(&["replay", file.to_str().unwrap()]);
-    (output.status.code(), output_text(&output))
-}
 
 /// Two takeovers and two regular ends; the device brakes at the end, as the run is cut off in motion.
 const SOME_ROUNDS: [&str; 2] = ["--time", "7s"];
@@ -49,54 +27,6 @@ fn a_recording_gives_the_same_bits_across_takeovers() {
     let report: serde_json::Value = serde_json::from_slice(&output.stdout).unwrap();
     assert!(report["commands"].as_u64() > Some(2), "{report}");
     assert!(report["values"].as_u64() > Some(5_000), "{report}");
-}
-
-/// Records a program in real time and sends a signal to the run after a while.
-#[cfg(unix)]
-fn signalled(arguments: &[&str], file: &Path, signal: &str, after: Duration) -> Output {
-    let mut run = Command::new(env!("CARGO_BIN_EXE_rpi"));
-    let run = run
-        .arg("run")
-        .args(arguments)
-        .args(["--real-time", "--record"]);
-    let run = run.arg(file).env("NO_COLOR", "1");
-    let run = run.stdout(Stdio::piped()).stderr(Stdio::piped());
-    let run = run.spawn().unwrap();
-    // The signal handlers are installed before the file is created.
-    let begin = Instant::now();
-    while !file.exists() {
-        assert!(begin.elapsed() < Duration::from_secs(30));
-        sleep(Duration::from_millis(10));
-    }
-    sleep(after);
-    let status = Command::new("kill")
-        .args([signal, &run.id().to_string()])
-        .status();
-    assert!(status.unwrap().success());
-    run.wait_with_output().unwrap()
-}
-
-/// Time after which the arm moves.
-#[cfg(unix)]
-const UNDER_WAY: Duration = Duration::from_secs(1);
-
-#[cfg(unix)]
-#[test]
-fn a_run_that_is_interrupted_ends_in_order() {
-    let folder = tempfile::tempdir().unwrap();
-    let program = blending();
-    for (signal, code) in [("-INT", 130), ("-HUP", 129)] {
-        let file = folder.path().join(format!("out{signal}.mcap"));
-        let output = signalled(&[program.to_str().unwrap()], &file, signal, UNDER_WAY);
-        assert_eq!(output.status.code(), Some(code), "{}", output_text(&output));
-        assert!(
-            output_text(&output).contains("cut off"),
-            "{}",
-            output_text(&output)
-        );
-        let (code, report) = replay(&file);
-        assert_eq!(code, Some(0), "{report}");
-    }
 }
 
 #[test]
@@ -179,12 +109,21 @@ fn set_point(tick: &mut [u8]) {
     }
 }
 
+/// A file that was cut off is replayed up to the cut. What is not a recording is refused.
 #[test]
-fn what_is_cut_off_or_foreign_is_told_with_its_code() {
+fn what_is_cut_off_or_foreign_is_told() {
     let folder = tempfile::tempdir().unwrap();
-    let (file, _) = record(folder.path(), &["--time", "200ms"]);
+    let (file, _) = record(folder.path(), &SOME_ROUNDS);
     let bytes = std::fs::read(&file).unwrap();
-    for len in [0, 7, 100, bytes.len() / 2, bytes.len() - 1] {
+    let mut most = 0;
+    for len in [bytes.len() / 3, bytes.len() / 2, bytes.len() - 1] {
+        std::fs::write(&file, &bytes[..len]).unwrap();
+        let ticks = ticks_up_to_the_cut(&file);
+        assert!(ticks > most, "{len} bytes: {ticks} ticks");
+        most = ticks;
+    }
+    assert!(most >= 7000, "{most}");
+    for len in [0, 7, 100] {
         std::fs::write(&file, &bytes[..len]).unwrap();
         let (code, report) = replay(&file);
         assert_eq!(code, Some(2), "{len} bytes: {report}");
@@ -192,6 +131,89 @@ fn what_is_cut_off_or_foreign_is_told_with_its_code() {
     }
     std::fs::write(&file, "cycle,flow,value\n").unwrap();
     assert!(replay(&file).1.contains("RPI9021"));
+}
+
+/// A recording in parts is replayed as one. A part that is missing is a cut.
+#[test]
+fn a_recording_in_parts_gives_the_same_bits() {
+    let folder = tempfile::tempdir().unwrap();
+    let (file, _) = record(folder.path(), &["--time", "7s", "--part-time", "2s"]);
+    let part = |number: u32| part_path(&file, number);
+    assert!(part(4).exists() && !part(5).exists());
+    let (code, report) = replay(&file);
+    assert_eq!(code, Some(0), "{report}");
+    assert!(report.contains("the same bits throughout"), "{report}");
+    let (code, report) = replay(&part(2));
+    assert_eq!(code, Some(2), "{report}");
+    assert!(
+        report.contains("name the file of its first part"),
+        "{report}"
+    );
+    for number in 1..=4 {
+        // Each part is a complete file for viewers.
+        let seen = messages(&part(number), "/set_points/arm").len();
+        assert!(seen > 500, "part {number}: {seen}");
+    }
+    let third = std::fs::read(part(3)).unwrap();
+    for len in [0, 50, third.len() / 2] {
+        std::fs::write(part(3), &third[..len]).unwrap();
+        assert!(ticks_up_to_the_cut(&file) >= 4001, "{len} bytes");
+    }
+    std::fs::remove_file(part(3)).unwrap();
+    let (_, report) = replay(&file);
+    assert!(report.contains("out.0003.mcap is missing"), "{report}");
+    assert_eq!(ticks_up_to_the_cut(&file), 4001);
+}
+
+/// The parts of two recordings do not mix.
+#[test]
+fn a_part_of_another_recording_is_refused() {
+    let (folder, other) = (tempfile::tempdir().unwrap(), tempfile::tempdir().unwrap());
+    let (file, _) = record(folder.path(), &["--time", "3s", "--part-time", "1s"]);
+    let (other_file, _) = record(other.path(), &["--time", "4s", "--part-time", "2s"]);
+    std::fs::copy(part_path(&other_file, 2), part_path(&file, 2)).unwrap();
+    let (code, report) = replay(&file);
+    assert_eq!(code, Some(2), "{report}");
+    assert!(
+        report.contains("part 2 belongs to another recording"),
+        "{report}"
+    );
+}
+
+/// The times of the messages are those of the run, from its first tick to its last one.
+#[test]
+fn the_span_of_a_recording_is_that_of_the_run() {
+    let folder = tempfile::tempdir().unwrap();
+    for profile in ["json", "ros2", "foxglove"] {
+        let options = ["--time", "1s", "--real-time", "--profile", profile];
+        let (file, _) = record(folder.path(), &options);
+        let bytes = std::fs::read(&file).unwrap();
+        let messages = mcap::MessageStream::new(&bytes)
+            .unwrap()
+            .map(Result::unwrap);
+        let times: Vec<u64> = messages.map(|m| m.log_time).collect();
+        let (first, last) = (times.iter().min().unwrap(), times.iter().max().unwrap());
+        // The arm brakes after the end of the command.
+        let seconds = (last - first) / 1_000_000_000;
+        assert!((1..3).contains(&seconds), "{profile}: {first} to {last}");
+    }
+}
+
+/// Viewers address a value by a path: members of objects and elements of lists.
+#[test]
+fn fields_are_nested_like_their_names() {
+    let folder = tempfile::tempdir().unwrap();
+    let (file, _) = record(folder.path(), &["--time", "100ms"]);
+    for message in messages(&file, "/device/arm") {
+        let joints = &message["joint"]["commanded_position"];
+        assert_eq!(joints.as_array().map(Vec::len), Some(7), "{message}");
+        let x = &message["tcp"]["commanded_position"]["position"]["x"];
+        assert!(x.is_f64(), "{message}");
+    }
+    for message in messages(&file, "/set_points/arm") {
+        let names: Vec<&String> = message.as_object().unwrap().keys().collect();
+        assert!(names.iter().all(|n| !n.contains(['.', '['])), "{names:?}");
+    }
 }
 
 /// Topics for viewers.
@@ -226,44 +248,6 @@ fn flows_set_points_sensors_and_events_are_there_for_viewers() {
     }
 }
 
-/// An interrupted server closes in an orderly way, and its recording is complete.
-#[cfg(unix)]
-#[test]
-fn a_server_records_until_it_is_interrupted() {
-    use std::io::{BufRead, BufReader};
-    use std::process::Stdio;
-
-    let folder = tempfile::tempdir().unwrap();
-    let (file, socket) = (
-        folder.path().join("out.mcap"),
-        folder.path().join("rpi.sock"),
-    );
-    let mut server = Command::new(env!("CARGO_BIN_EXE_rpi"))
-        .args(["serve", "--listen", "127.0.0.1:0", "--record"])
-        .arg(&file)
-        .arg("--socket")
-        .arg(&socket)
-        .stderr(Stdio::piped())
-        .spawn()
-        .unwrap();
-    let mut lines = BufReader::new(server.stderr.take().unwrap()).lines();
-    let serving = lines.next().unwrap().unwrap();
-    assert!(serving.starts_with("serving at"), "{serving}");
-    std::thread::sleep(std::time::Duration::from_millis(200));
-    let number = server.id().to_string();
-    let status = Command::new("kill").args(["-TERM", &number]).status();
-    assert!(status.unwrap().success());
-    let summary = lines.next().unwrap().unwrap();
-    assert!(server.wait().unwrap().success(), "{summary}");
-    assert!(
-        summary.starts_with("recorded ") && summary.ends_with(" 0 lost"),
-        "{summary}"
-    );
-    assert!(!socket.exists());
-    let (code, report) = replay(&file);
-    assert_eq!(code, Some(0), "{report}");
-}
-
 /// Checksums are verified: any changed bit is detected.
 #[test]
 fn a_flipped_bit_is_refused() {
@@ -273,7 +257,12 @@ fn a_flipped_bit_is_refused() {
     assert!(Recording::read(&bytes).is_ok());
     for at in (0..bytes.len()).step_by(bytes.len() / 400) {
         bytes[at] ^= 1 << (at % 8);
-        assert!(Recording::read(&bytes).is_err(), "byte {at}");
+        // A changed byte at the very end looks like a file that was cut off.
+        let read = Recording::read(&bytes);
+        let found = read
+            .as_ref()
+            .map_or(true, |recording| recording.cut.is_some());
+        assert!(found, "byte {at}");
         bytes[at] ^= 1 << (at % 8);
     }
     let middle = bytes.len() / 2;
@@ -345,93 +334,4 @@ fn overruns_are_recorded_and_a_stop_for_them_is_a_fault() {
     assert!(late.len() >= 5 && late.iter().all(|ns| *ns > 0), "{late:?}");
     let (code, report) = replay(&file);
     assert_eq!(code, Some(0), "{report}");
-}
-
-#[cfg(unix)]
-#[test]
-fn what_cannot_be_written_is_told_by_name() {
-    let folder = tempfile::tempdir().unwrap();
-    let full = folder.path().join("full.mcap");
-    std::os::unix::fs::symlink("/dev/full", &full).unwrap();
-    for file in [Path::new("/dev/full"), &full] {
-        let program = blending();
-        let [program, name] = [&program, file].map(|path| path.to_str().unwrap());
-        let output = rpi(&["run", program, "--time", "50ms", "--record", name]);
-        assert_eq!(output.status.code(), Some(2), "{}", output_text(&output));
-        assert!(
-            output_text(&output).contains(name),
-            "{}",
-            output_text(&output)
-        );
-        assert!(
-            output_text(&output).contains("No space left"),
-            "{}",
-            output_text(&output)
-        );
-    }
-}
-
-/// After a write error of the recording, the summary is still printed, with the error.
-#[cfg(unix)]
-#[test]
-fn what_has_happened_is_told_where_the_file_takes_no_more() {
-    let folder = tempfile::tempdir().unwrap();
-    let path = |name: &str| folder.path().join(name).to_str().unwrap().to_owned();
-    let text = "command Count ()\nlet\n  n = 1 -> pre n + 1;\n  export n;\n  finish done when n >= 30000;\ntel\n";
-    std::fs::write(path("count.rpi"), text).unwrap();
-    std::fs::write(path("cell.toml"), "").unwrap();
-    // Files of 32 kB at most; a write beyond is an error instead of a signal.
-    let limited = "trap '' XFSZ; ulimit -f 64; exec \"$0\" \"$@\"";
-    let program = [env!("CARGO_BIN_EXE_rpi"), "run", &path("count.rpi")].map(str::to_owned);
-    let mut shell = std::process::Command::new("sh");
-    shell.args(["-c", limited]).args(program);
-    let output = shell
-        .args(["--record", &path("out.mcap")])
-        .output()
-        .unwrap();
-    let text = output_text(&output);
-    assert_eq!(output.status.code(), Some(2), "{text}");
-    assert!(text.contains("30000 cycles"), "{text}");
-    assert!(
-        text.contains("NOT RECORDED to the end: File too large"),
-        "{text}"
-    );
-}
-
-/// An emergency stop ends everything with that cause and reports what was still moving.
-#[cfg(unix)]
-#[test]
-fn sigquit_is_an_emergency_stop() {
-    let folder = tempfile::tempdir().unwrap();
-    let (program, file) = (blending(), folder.path().join("out.mcap"));
-    let output = signalled(&[program.to_str().unwrap()], &file, "-QUIT", UNDER_WAY);
-    assert_eq!(output.status.code(), Some(3), "{}", output_text(&output));
-    let text = output_text(&output);
-    assert!(
-        text.contains("STOPPED: emergency stop, and arm braked"),
-        "{text}"
-    );
-    assert!(text.contains("arm: ok, at rest"), "{text}");
-    let (code, report) = replay(&file);
-    assert_eq!(code, Some(0), "{report}");
-}
-
-/// An emergency stop is reported whether a command ran in that tick or not.
-#[cfg(unix)]
-#[test]
-fn sigquit_between_commands_is_told() {
-    let folder = tempfile::tempdir().unwrap();
-    let (program, file) = (
-        folder.path().join("short.rpi"),
-        folder.path().join("out.mcap"),
-    );
-    let text = "command Rest () let finish done when true; tel
-task Short let repeat let Rest(); Rest(); tel tel
-";
-    std::fs::write(&program, text).unwrap();
-    let arguments = [program.to_str().unwrap(), "--json"];
-    let output = signalled(&arguments, &file, "-QUIT", UNDER_WAY / 2);
-    assert_eq!(output.status.code(), Some(3), "{}", output_text(&output));
-    let summary: serde_json::Value = serde_json::from_slice(&output.stdout).unwrap();
-    assert_eq!(summary["stopped"], "emergency stop");
 }

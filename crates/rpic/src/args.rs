@@ -11,7 +11,7 @@ use rpi_driver::ClaimPolicy;
 #[derive(Debug, Parser)]
 #[command(name = "rpic", version = VERSION, arg_required_else_help = true)]
 pub(crate) struct Cli {
-    /// Subcommand.
+    /// Subcommand of `rpic` with its options.
     #[command(subcommand)]
     pub(crate) task: CliCommand,
 }
@@ -19,34 +19,35 @@ pub(crate) struct Cli {
 /// Subcommands of `rpic`.
 #[derive(Debug, Subcommand)]
 pub(crate) enum CliCommand {
-    /// Check programs and report errors and warnings.
+    /// Check programs, and report errors and warnings.
     Check(CheckArgs),
-    /// Compile a command to an image, or print an intermediate form.
+    /// Compile a command of a program to an image, or print an intermediate form of it.
     Compile(CompileArgs),
-    /// Convert a net of the reference system to a program.
+    /// Convert a net of the reference system (.rpinet) to a program.
     Import(ImportArgs),
     /// Format programs in place.
     Fmt(FmtArgs),
     /// Run the tests contained in programs.
     Test(TestArgs),
-    /// Generate the HTML reference of a project.
+    /// Generate the HTML reference of a project or of the standard library.
     Doc(DocArgs),
-    /// Create a project: a program, its cell and a test.
+    /// Create a project: a folder with a program, its cell description and a test.
     New {
-        /// Folder of the project; its last part is the project's name.
+        /// Folder of the project, which must not exist or be empty. Its last part is the name of the project.
         path: PathBuf,
     },
-    /// Explain a code: what it means, a wrong and a right program. Without a code: list all codes with their titles.
+    /// Explain a diagnostic code: what it means, a wrong and a right program. Without a code: list all codes with their
+    /// titles.
     Explain {
-        /// The code, RPI4001 or 4001.
+        /// Diagnostic code, written RPI4001 or 4001.
         code: Option<String>,
-        /// List all codes with their titles.
+        /// List all diagnostic codes with their titles.
         #[arg(long, conflicts_with = "code")]
         list: bool,
     },
     /// Measure the time of an elementary operation on this machine, for the budgets of programs.
     Machine(MachineArgs),
-    /// Draw a net.
+    /// Draw the net of a command for Mermaid or Graphviz.
     Graph(GraphArgs),
     /// Run the language server (LSP over standard input and output).
     Lsp,
@@ -56,7 +57,7 @@ pub(crate) enum CliCommand {
         /// Shell for which completions are printed.
         shell: Shell,
     },
-    /// Write the manual pages to a folder.
+    /// Write the manual pages of all subcommands to a folder.
     #[command(hide = true)]
     Man {
         /// Folder into which the manual pages are written.
@@ -73,10 +74,10 @@ pub(crate) struct CheckArgs {
     /// Format of the diagnostics: human, short, json, sarif or github.
     #[arg(long, default_value = "human", value_name = "FORMAT")]
     pub(crate) format: Format,
-    /// Apply the fixes that are certain.
+    /// Apply the fixes that are certain, and write the changed files.
     #[arg(long)]
     pub(crate) fix: bool,
-    /// Print the results of each analysis.
+    /// Print a summary of the results of each analysis.
     #[arg(long)]
     pub(crate) explain_analysis: bool,
 }
@@ -90,11 +91,11 @@ pub(crate) struct TestArgs {
     /// Run only tests whose title contains this text.
     #[arg(long, value_name = "TEXT")]
     pub(crate) filter: Option<String>,
-    /// Largest number of cycles of a test; a test whose `finish` does not come by then fails. Default: 100000 for a
-    /// test with a `finish`, otherwise 1000.
+    /// Maximum number of cycles of a test; a test whose `finish` does not become true by then fails. Default: 100000
+    /// for a test with a `finish`, else 1000.
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u64).range(1..))]
     pub(crate) cycles: Option<u64>,
-    /// Period of the cycle.
+    /// Period of the cycle, such as 1ms.
     #[arg(long, default_value = "1ms", value_parser = rpi_driver::parse_duration, value_name = "TIME")]
     pub(crate) period: u64,
     /// Report fragments, branches and transitions that no test has covered.
@@ -111,13 +112,13 @@ pub(crate) struct DocArgs {
     /// Folder with programs, its rpi.toml, or a single program.
     #[arg(default_value = ".", conflicts_with = "std")]
     pub(crate) path: PathBuf,
-    /// Output folder.
+    /// Folder to which the pages are written.
     #[arg(long, default_value = "target/doc", value_name = "DIR")]
     pub(crate) out: PathBuf,
     /// Document the standard library instead of a project.
     #[arg(long)]
     pub(crate) std: bool,
-    /// Open the start page in a browser.
+    /// Open the start page in a browser afterwards.
     #[arg(long)]
     pub(crate) open: bool,
 }
@@ -130,31 +131,33 @@ pub(crate) struct CompileArgs {
     /// Output file. Default: the source file with the extension .rpib, or standard output with `--emit`.
     #[arg(long, short, value_name = "FILE")]
     pub(crate) output: Option<PathBuf>,
-    /// Print an intermediate form instead of writing an image.
+    /// Print this intermediate form instead of writing an image.
     #[arg(long, value_name = "FORM")]
     pub(crate) emit: Option<Form>,
-    /// Command to compile, if there are several.
+    /// Command to compile, if the program has several.
     #[arg(long, value_name = "NAME")]
     pub(crate) command: Option<String>,
-    /// Node to write as a Lustre node. Default in a Lustre program: the node that `rpi run` would run.
+    /// Node to write as a Lustre node with `--emit lustre`. Default in a Lustre program: the node that `rpi run` would
+    /// run.
     #[arg(long, value_name = "NAME")]
     pub(crate) node: Option<String>,
-    /// Assertions and contracts in the image: omitted, published for monitoring, or a fault that ends the command.
+    /// Treatment of assertions and contracts in the image: omitted, published for monitoring, or a fault that ends the
+    /// command.
     #[arg(long, value_name = "MODE", default_value = "off")]
     pub(crate) contracts: Contracts,
-    /// Period of the cycle for which the image is compiled.
+    /// Period of the cycle for which the image is compiled, such as 1ms.
     #[arg(long, default_value = "1ms", value_parser = rpi_driver::parse_duration, value_name = "TIME")]
     pub(crate) period: u64,
 }
 
-/// Treatment of assertions and contracts.
+/// Treatment of assertions and contracts in an image.
 #[derive(Clone, Copy, PartialEq, Eq, Debug, ValueEnum)]
 pub(crate) enum Contracts {
-    /// Omitted, without any cost.
+    /// Assertions and contracts are omitted, without any cost at run time.
     Off,
-    /// Results are published, together with the flows that they read.
+    /// The results of assertions and contracts are published, together with the flows that they read.
     Report,
-    /// A violation is a fault that ends the command.
+    /// A violated assertion or contract is a fault that ends the command.
     Fault,
 }
 
@@ -168,37 +171,37 @@ impl From<Contracts> for ClaimPolicy {
     }
 }
 
-/// Intermediate and output forms of a program.
+/// Forms of a program that `rpic compile --emit` prints.
 #[derive(Clone, Copy, PartialEq, Eq, Debug, ValueEnum)]
 pub(crate) enum Form {
-    /// Tokens of the parser.
+    /// Tokens of the source text, as the lexer finds them.
     Tokens,
-    /// Syntax tree.
+    /// Syntax tree of the source text.
     Ast,
-    /// Typed units.
+    /// Nodes and commands after type checking, with the types of their flows.
     Typed,
     /// Net as used by the compiler, without results and exports.
     Net,
-    /// Net for the reference system, with results and exports as ports and primitives.
+    /// Net for the reference system (.rpinet), with results and exports as ports and primitives.
     Rpinet,
-    /// Order of evaluation.
+    /// Order in which the primitives of the net are evaluated.
     Schedule,
-    /// Image, one line per step.
+    /// Text of the compiled image, one line per step.
     Image,
-    /// Drawing of the net for Graphviz.
+    /// Drawing of the net in the language of Graphviz.
     Dot,
-    /// Drawing of the net for Mermaid.
+    /// Drawing of the net in the language of Mermaid.
     Mermaid,
-    /// C99 source with one function per cycle.
+    /// C99 source with a function that evaluates one cycle.
     C,
-    /// Lustre source for model checkers: a command, or the node given by `--node`.
+    /// Lustre source for model checkers, of a command or of the node given by `--node`.
     Lustre,
 }
 
 /// Options of `rpic import`.
 #[derive(Args, Debug)]
 pub(crate) struct ImportArgs {
-    /// Net (.rpinet), plain or .gz.
+    /// Net to convert (.rpinet), plain or .gz.
     pub(crate) file: PathBuf,
     /// Output file. Default: standard output.
     #[arg(long, short, value_name = "FILE")]
@@ -217,7 +220,7 @@ pub(crate) struct FmtArgs {
     /// Read a program from standard input and write it to standard output.
     #[arg(long, conflicts_with_all = ["files", "check"])]
     pub(crate) stdin: bool,
-    /// File name of the text on standard input; a name that ends in .lus means Lustre.
+    /// File name that diagnostics show for the text on standard input; a name that ends in .lus means Lustre.
     #[arg(
         long,
         value_name = "FILE",
@@ -230,7 +233,7 @@ pub(crate) struct FmtArgs {
 /// Options of `rpic machine`.
 #[derive(Args, Debug)]
 pub(crate) struct MachineArgs {
-    /// Output file; programs use `machine.toml` in their own folder. Default: standard output.
+    /// Output file. Programs in a folder use the file `machine.toml` of that folder. Default: standard output.
     #[arg(long, short, value_name = "FILE")]
     pub(crate) output: Option<PathBuf>,
 }
@@ -240,10 +243,10 @@ pub(crate) struct MachineArgs {
 pub(crate) struct GraphArgs {
     /// Program (.rpi, .lus) or net (.rpinet), plain or .gz.
     pub(crate) file: PathBuf,
-    /// Language of the drawing.
+    /// Language of the drawing: dot (Graphviz) or mermaid.
     #[arg(long, default_value = "mermaid", value_name = "FORMAT")]
     pub(crate) format: Drawing,
-    /// Command to draw, if there are several.
+    /// Command to draw, if the program has several.
     #[arg(long, value_name = "NAME")]
     pub(crate) command: Option<String>,
     /// Output file. Default: standard output.
@@ -251,10 +254,10 @@ pub(crate) struct GraphArgs {
     pub(crate) output: Option<PathBuf>,
 }
 
-/// Languages of drawings.
+/// Languages of the drawings of `rpic graph`.
 #[derive(Clone, Copy, PartialEq, Eq, Debug, ValueEnum)]
 pub(crate) enum Drawing {
-    /// Graphviz.
+    /// Graph in the language dot of Graphviz.
     Dot,
     /// Diagram in the text form of Mermaid, which web pages draw.
     Mermaid,

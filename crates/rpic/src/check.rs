@@ -11,7 +11,7 @@ use crate::args::CheckArgs;
 use crate::fix::fix_file;
 use crate::outcome::{CommandResult, Exit, write_output};
 
-/// Carries out `rpic check`: checks each file. The exit status is that of the worst one.
+/// Carries out `rpic check`: checks each file and prints the diagnostics. The exit status is that of the worst file.
 pub(crate) fn check(args: &CheckArgs) -> CommandResult {
     let mut report = DiagnosticSet::default();
     let mut all_read = true;
@@ -42,7 +42,8 @@ pub(crate) fn check(args: &CheckArgs) -> CommandResult {
     })
 }
 
-/// Compiles a file; `with_summaries` requests the summary of each analysis.
+/// Reads and compiles a program or net. `with_summaries` is true if the result shall contain a summary of each
+/// analysis.
 pub(crate) fn compile(
     path: &Path,
     with_summaries: bool,
@@ -59,13 +60,13 @@ pub(crate) fn compile(
     )?)
 }
 
-/// Set of the diagnostics of several files, without duplicates from files that several programs use.
+/// Diagnostics of several files. A diagnostic about a file that several programs use is contained only once.
 #[derive(Default)]
 pub(crate) struct DiagnosticSet {
     pub(crate) diagnostics: Vec<Diagnostic>,
     pub(crate) sources: SourceMap,
-    /// Indices into `diagnostics` by code and location. The index keeps the search for duplicates fast: there can be a
-    /// hundred thousand diagnostics.
+    /// Indices into `diagnostics` by code and location. This map makes the search for duplicates fast, because there
+    /// can be a hundred thousand diagnostics.
     index: BTreeMap<(Code, Span), Vec<usize>>,
 }
 
@@ -92,7 +93,7 @@ impl DiagnosticSet {
     }
 }
 
-/// Prints diagnostics in the given format: the human format to standard error, the others to standard output.
+/// Prints diagnostics in the given format: the human format to standard error, all other formats to standard output.
 pub(crate) fn print_diagnostics(
     format: Format,
     diagnostics: &[Diagnostic],
@@ -115,8 +116,8 @@ pub(crate) fn print_diagnostics(
     }
 }
 
-/// Writes text for people to standard output, or to standard error if the format needs standard output for its one
-/// document.
+/// Prints a text for people to standard output. If `format` writes a document such as JSON to standard output, the text
+/// goes to standard error.
 pub(crate) fn print_text(format: Format, text: &str) -> Result<(), Box<dyn std::error::Error>> {
     match format {
         Format::Human => write_output(None, text.as_bytes()),
@@ -127,7 +128,7 @@ pub(crate) fn print_text(format: Format, text: &str) -> Result<(), Box<dyn std::
     }
 }
 
-/// Formats the summary of each analysis for each compiled command and node.
+/// Returns a text with the summary of each analysis of each compiled command and node.
 fn analysis_summary(compiled: &Compiled) -> String {
     let mut out = String::new();
     for summary in &compiled.summaries {
@@ -139,7 +140,7 @@ fn analysis_summary(compiled: &Compiled) -> String {
     out
 }
 
-/// Returns whether a list has an error, and not only warnings and notes. The exit status depends on it.
+/// Returns whether a list of diagnostics contains an error, and not only warnings and notes.
 pub(crate) fn has_errors(diagnostics: &[Diagnostic]) -> bool {
     diagnostics.iter().any(|f| f.severity() == Severity::Error)
 }

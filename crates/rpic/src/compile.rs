@@ -11,7 +11,7 @@ use crate::args::{CompileArgs, Drawing, Form, GraphArgs, ImportArgs};
 use crate::check::{has_errors, print_diagnostics};
 use crate::outcome::{CommandResult, Exit, write_result};
 
-/// Carries out `rpic compile`: writes an image, or prints an intermediate form.
+/// Carries out `rpic compile`: compiles a program and writes an image, or prints an intermediate form.
 pub(crate) fn compile(args: &CompileArgs) -> CommandResult {
     let input = rpi_driver::read(&args.file)?;
     let text = match args.emit {
@@ -43,7 +43,7 @@ pub(crate) fn compile(args: &CompileArgs) -> CommandResult {
     }
 }
 
-/// Writes a single node as Lustre, with its properties.
+/// Carries out `rpic compile --emit lustre` for a node: writes the node and its assertions and contracts as Lustre.
 fn node_as_lustre(input: &Input, args: &CompileArgs) -> CommandResult {
     let compiled =
         rpi_driver::compile_node(input, args.node.as_deref(), ClaimPolicy::Fault, false)?;
@@ -108,13 +108,16 @@ fn write_image(net: &AnalysedNet, input: &Input, args: &CompileArgs) -> CommandR
     Ok(Exit::Success)
 }
 
-/// Returns the path of the source with another extension.
+/// Returns the path of a source file with the extension `ending` in place of its own.
 fn with_extension(input: &Input, ending: &str) -> PathBuf {
     let folder = input.path.parent().unwrap_or(Path::new(""));
     folder.join(format!("{}.{ending}", input.stem()))
 }
 
-/// Returns the net of the named command, or of the only command.
+/// Returns the net of the command called `name`, or of the only command if `name` is `None`.
+///
+/// # Errors
+/// Returns a message if there is no such command, or if there are several and none is named.
 fn select_net<'a>(compiled: &'a Compiled, name: Option<&str>) -> Result<&'a AnalysedNet, String> {
     let nets = compiled.nets();
     let names = || nets.iter().map(|net| net.name.as_str()).collect::<Vec<_>>();
@@ -136,7 +139,7 @@ fn select_net<'a>(compiled: &'a Compiled, name: Option<&str>) -> Result<&'a Anal
     }
 }
 
-/// Carries out `rpic import`: converts a net to a program.
+/// Carries out `rpic import`: converts a net of the reference system (.rpinet) to a program.
 pub(crate) fn import(args: &ImportArgs) -> CommandResult {
     let input = rpi_driver::read(&args.file)?;
     if input.kind != InputKind::Rpinet {
@@ -156,7 +159,7 @@ pub(crate) fn import(args: &ImportArgs) -> CommandResult {
     Ok(Exit::Success)
 }
 
-/// Carries out `rpic graph`: draws a net.
+/// Carries out `rpic graph`: writes a drawing of the net of a command.
 pub(crate) fn graph(args: &GraphArgs) -> CommandResult {
     let compiled = rpi_driver::compile(&rpi_driver::read(&args.file)?)?;
     print_diagnostics(Format::Human, &compiled.diagnostics, &compiled.sources)?;

@@ -7,24 +7,25 @@ use rpi_diag::{FileId, SourceMap, Span};
 use rpi_driver::CoveragePoints;
 use rpi_replay::testing::Coverage;
 
-/// Source locations that the tests have covered. Several instances of a node share one location and count once.
+/// Parts of a program that its tests have covered, by their source locations. Several instances of a node have the same
+/// locations and count once.
 #[derive(Default)]
 pub(crate) struct CoverageTotals {
     called: BTreeSet<Span>,
-    /// For each fragment its path, and whether any instance was active.
+    /// For each fragment its path in the net, and whether it was active in any cycle of any instance.
     fragments: BTreeMap<Span, (String, bool)>,
     branches: BTreeMap<Span, [bool; 2]>,
     transitions: BTreeMap<Span, bool>,
 }
 
-/// Number of items, and how many of them were covered.
+/// Number of parts of one kind (such as fragments), and the number of those that tests have covered.
 #[derive(Default)]
 struct Count {
     covered: usize,
     total: usize,
 }
 
-/// Coverage counts of the reachable items, and a line for each item that was not covered.
+/// Numbers of all and of covered fragments, branches and transitions, and a line for each part that is not covered.
 #[derive(Default)]
 struct CoverageReport {
     fragments: Count,
@@ -34,7 +35,7 @@ struct CoverageReport {
 }
 
 impl CoverageTotals {
-    /// Adds the coverage of one test.
+    /// Adds the coverage of one test to the totals of the file.
     pub(crate) fn add(&mut self, coverage: &Coverage) {
         self.called.extend(&coverage.called);
         for (place, path, active) in &coverage.fragments {
@@ -50,8 +51,9 @@ impl CoverageTotals {
         }
     }
 
-    /// Returns a summary line and one line per uncovered item. The standard library is excluded, because it has its own
-    /// tests; so are nodes of other modules that no test calls.
+    /// Returns a text: a line with the numbers, then a line for each fragment, branch or transition that is not
+    /// covered. `marks` lists the parts of each node and command. The standard library is excluded, because it has its
+    /// own tests; so are nodes of other modules that no test calls.
     pub(crate) fn report(&self, marks: &[CoveragePoints], sources: &SourceMap) -> String {
         let mut account = CoverageReport::default();
         let own = |place: &Span| is_own(sources, *place);
@@ -82,7 +84,7 @@ impl CoverageTotals {
         )
     }
 
-    /// Adds the counts of a unit that at least one test calls.
+    /// Adds the branches and transitions of a node or command that at least one test calls to the report.
     fn called(&self, declared: &CoveragePoints, sources: &SourceMap, account: &mut CoverageReport) {
         for place in &declared.choices {
             let ways = self.branches.get(place).copied().unwrap_or_default();
@@ -106,7 +108,7 @@ impl CoverageTotals {
 }
 
 impl CoverageReport {
-    /// Adds the counts of a unit that no test calls; none of its items is covered.
+    /// Adds the parts of a node or command that no test calls to the report, as not covered.
     fn uncalled(&mut self, declared: &CoveragePoints, sources: &SourceMap) {
         self.fragments.total += declared.fragments;
         self.branches.total += 2 * declared.choices.len();

@@ -13,11 +13,11 @@ use crate::args::DocArgs;
 use crate::check::{has_errors, print_diagnostics};
 use crate::outcome::{CommandResult, Exit};
 
-/// Introduction of the reference of the standard library.
+/// Introduction of the reference of the standard library, in Markdown.
 const LIBRARY: &str = "Fragments, nodes and device types that come with the language. `use filters;` brings in a module; \
                        `math` and `geometry` are always available.";
 
-/// Carries out `rpic doc`: writes the pages of the reference and prints the path of the start page.
+/// Carries out `rpic doc`: checks the modules, writes the pages of the reference and prints the path of the start page.
 pub(crate) fn doc(args: &DocArgs) -> CommandResult {
     let (title, about, own) = match args.std {
         true => ("Standard library".to_owned(), LIBRARY.to_owned(), library()),
@@ -52,7 +52,7 @@ pub(crate) fn doc(args: &DocArgs) -> CommandResult {
     })
 }
 
-/// Loads and checks the programs of a project, for their pages.
+/// Reads and checks all programs of a project, and returns them as modules of the reference.
 fn programs(project: &Project) -> Result<Vec<Module>, Box<dyn std::error::Error>> {
     let mut modules = Vec::new();
     for path in &project.files {
@@ -71,7 +71,7 @@ fn programs(project: &Project) -> Result<Vec<Module>, Box<dyn std::error::Error>
     Ok(modules)
 }
 
-/// Empty file system: no file on disk may replace a module of the standard library.
+/// File loader that finds no files, so that no file on disk can replace a module of the standard library.
 struct NoFiles;
 
 impl FileLoader for NoFiles {
@@ -93,7 +93,7 @@ fn library_module(name: &str) -> Option<Module> {
     })
 }
 
-/// Adds the library modules that other modules use, so that links to them have a target.
+/// Returns `modules` and the modules of the standard library that they use, so that links to these have a target.
 fn add_used_library_modules(mut modules: Vec<Module>) -> Vec<Module> {
     let sources = |seen: &Inspection| {
         let all = seen
@@ -126,7 +126,8 @@ fn write(folder: &Path, site: &Site) -> Result<(), String> {
     Ok(())
 }
 
-/// Programs that open a page in a browser on the current operating system.
+/// Names of the programs that open a file in the browser on the current operating system; the first that starts is
+/// used.
 const OPENERS: &[&str] = if cfg!(target_os = "macos") {
     &["open"]
 } else if cfg!(windows) {

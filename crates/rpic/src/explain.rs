@@ -4,7 +4,8 @@ use rpi_diag::{Code, suggest};
 
 use crate::outcome::{CommandResult, Exit, write_output};
 
-/// Carries out `rpic explain CODE`: prints the explanation page of a code.
+/// Carries out `rpic explain CODE`: prints the explanation page of a diagnostic code. `name` is the code with or
+/// without the prefix `RPI`.
 pub(crate) fn explain(name: &str) -> CommandResult {
     let upper = match name.bytes().all(|byte| byte.is_ascii_digit()) {
         true => format!("RPI{name:0>4}"),
@@ -19,7 +20,7 @@ pub(crate) fn explain(name: &str) -> CommandResult {
     Ok(Exit::Success)
 }
 
-/// Carries out `rpic explain --list`: lists all codes with their titles.
+/// Carries out `rpic explain --list`: prints all diagnostic codes with their titles.
 pub(crate) fn list() -> CommandResult {
     let lines = Code::ALL
         .iter()

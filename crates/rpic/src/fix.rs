@@ -12,13 +12,13 @@ use rpi_driver::Compiled;
 use crate::check::compile;
 use crate::outcome::file_equals;
 
-/// Largest number of rounds of fixes, each followed by a compilation. Fixes that are still offered after that do not
+/// Maximum number of rounds of fixes, each followed by a compilation. Fixes that are offered after that do not
 /// converge.
 const ROUNDS: usize = 10;
 
 type BoxError = Box<dyn std::error::Error>;
 
-/// Fixes a file and the files of its project that it uses, prints the applied fixes, and returns the result of the last
+/// Fixes a program and the files that it uses, prints the applied fixes, and returns the result of the last
 /// compilation.
 pub(crate) fn fix_file(path: &Path, with_summaries: bool) -> Result<Compiled, BoxError> {
     let mut compiled = compile(path, with_summaries)?;
@@ -31,7 +31,8 @@ pub(crate) fn fix_file(path: &Path, with_summaries: bool) -> Result<Compiled, Bo
     Ok(compiled)
 }
 
-/// Applies the fixes of a compilation that can be applied together. Returns false if there were none.
+/// Applies the sure fixes of a compilation that do not overlap, and writes the changed files. Returns false if there
+/// was nothing to fix.
 fn apply_round(compiled: &Compiled) -> Result<bool, BoxError> {
     let sources = &compiled.sources;
     let on_disk = |fix: &&Fix| {
@@ -64,13 +65,14 @@ fn apply_round(compiled: &Compiled) -> Result<bool, BoxError> {
     Ok(!written.is_empty())
 }
 
-/// Returns whether the text of a source is the content of a file on disk. The standard library is embedded in the
-/// compiler and cannot be fixed.
+/// Returns whether the text of a source is the content of a file on disk. The standard library is not: it is embedded
+/// in the compiler and cannot be fixed.
 fn is_on_disk(sources: &SourceMap, file: FileId) -> bool {
     file_equals(Path::new(sources.name(file)), sources.text(file))
 }
 
-/// Writes the new text to a temporary file beside the old one, with the same permissions.
+/// Writes the new text of the file `path` to a temporary file in the same folder, with the same permissions. Returns
+/// the path of the temporary file.
 fn write_beside(path: &Path, text: &str) -> Result<std::path::PathBuf, BoxError> {
     // In the same folder, because a rename is atomic only within a file system.
     let mut name = path.file_name().unwrap_or_default().to_owned();

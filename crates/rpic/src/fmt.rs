@@ -11,7 +11,8 @@ use crate::args::FmtArgs;
 use crate::check::print_diagnostics;
 use crate::outcome::{CommandResult, Exit, file_equals, write_output};
 
-/// Carries out `rpic fmt`: formats each file, or standard input.
+/// Carries out `rpic fmt`: formats each file in place, or formats standard input. With `--check`, prints the
+/// differences and changes no file.
 pub(crate) fn fmt(args: &FmtArgs) -> CommandResult {
     if args.stdin {
         return stdin(&args.stdin_name);
@@ -36,8 +37,8 @@ pub(crate) fn fmt(args: &FmtArgs) -> CommandResult {
     Ok(exit)
 }
 
-/// Rejects a compressed file and a file in another encoding, because writing it as plain UTF-8 would change more than
-/// its formatting.
+/// Returns an error for a compressed file and for a file in another encoding than UTF-8, because writing its formatted
+/// text as plain UTF-8 would change more than the formatting.
 fn check_plain_utf8(file: &Path, text: &str) -> Result<(), String> {
     match file_equals(file, text) {
         true => Ok(()),
@@ -57,7 +58,7 @@ fn stdin(name: &str) -> CommandResult {
     }
 }
 
-/// Prints the differences that formatting would make.
+/// Prints the differences between the text of a file and its formatted text, in unified format.
 fn print_diff(file: &Path, old: &str, new: &str) -> CommandResult {
     rpi_diag::println_stderr!("{}: not formatted", file.display());
     let name = file.display().to_string();
@@ -67,7 +68,8 @@ fn print_diff(file: &Path, old: &str, new: &str) -> CommandResult {
     Ok(Exit::ErrorsReported)
 }
 
-/// Returns the formatted text. Returns `None` and prints the diagnostics if the text cannot be parsed.
+/// Returns the formatted text of a program. If the text cannot be parsed, prints the syntax errors and returns `None`.
+/// `name` is the file name, which decides the language.
 fn format_or_report(name: &str, text: &str) -> Result<Option<String>, Box<dyn std::error::Error>> {
     let mode = Dialect::from_path(name);
     if let Ok(new) = format(text, mode) {

@@ -9,19 +9,22 @@ use rpi_runtime::cycle_time::cold_cycle_ns;
 use crate::args::MachineArgs;
 use crate::outcome::{CommandResult, Exit, write_output};
 
-/// Number of equations of the measured program. There are enough equations of all kinds to defeat branch prediction.
+/// Number of equations of the program whose cycle is measured. So many equations of different kinds defeat the branch
+/// prediction of the processor.
 const EQUATIONS: usize = 2_000;
 
-/// Number of measured cycles.
+/// Number of cycles of the program that are measured.
 const CYCLES: usize = 500;
 
-/// Safety factor on the measured time.
+/// Safety factor on the measured time of an operation. Other programs and cold caches make an operation slower than in
+/// the measurement.
 const MARGIN: f64 = 2.0;
 
-/// Period for which the measured program is compiled, in ns.
+/// Period for which the measured program is compiled, in ns (1 ms).
 const PERIOD: u64 = 1_000_000;
 
-/// Carries out `rpic machine`: measures the time of an operation, and writes `machine.toml` or prints its content.
+/// Carries out `rpic machine`: measures the time of an elementary operation, and writes it to a `machine.toml` file or
+/// prints it.
 pub(crate) fn machine(args: &MachineArgs) -> CommandResult {
     let input = Input {
         path: PathBuf::from("measured.rpi"),
@@ -43,7 +46,8 @@ pub(crate) fn machine(args: &MachineArgs) -> CommandResult {
     Ok(Exit::Success)
 }
 
-/// Returns the source of a command with sums, products, selections, comparisons and delays.
+/// Returns the source text of the measured program: a command with `equations` sums, products, selections, comparisons
+/// and delays.
 fn program(equations: usize) -> String {
     let mut body = String::from("  x0 = time / 1[s];\n");
     for k in 1..equations {

@@ -24,8 +24,8 @@ use clap::Parser;
 use mimalloc::MiMalloc;
 use outcome::{CommandResult, Exit};
 
-/// Global allocator of the tool. Compilation allocates many small objects; with the system allocator a check takes a
-/// quarter longer.
+/// Global allocator of the tool. Compilation allocates many small objects; with the allocator of the system, a check
+/// takes a quarter longer.
 #[global_allocator]
 static ALLOCATOR: MiMalloc = MiMalloc;
 
@@ -51,13 +51,13 @@ fn main() -> ExitCode {
     rpi_cli::exit_code(done, Exit::BadInput)
 }
 
-/// Prints the completion script of a shell.
+/// Carries out `rpic completions`: prints the completion script of a shell.
 fn completions(shell: rpi_cli::Shell) -> CommandResult {
     rpi_cli::print_completions::<Cli>(shell);
     Ok(Exit::Success)
 }
 
-/// Writes the manual pages to a folder.
+/// Carries out `rpic man`: writes the manual pages of all subcommands to a folder.
 fn man_pages(folder: &Path) -> CommandResult {
     rpi_cli::write_man_pages::<Cli>(folder)?;
     Ok(Exit::Success)

@@ -5,11 +5,16 @@ use std::path::Path;
 
 use crate::outcome::{CommandResult, Exit, write_output};
 
-/// Files of a new project: path inside of the project and text; `NAME` stands for the name of the project.
+/// Files of a new project: path within the project, and text. `NAME` in a text is replaced by the name of the project;
+/// the schema does not contain it.
 const FILES: &[(&str, &str)] = &[
     ("rpi.toml", include_str!("../template/rpi.toml")),
     ("main.rpi", include_str!("../template/main.rpi")),
     ("cell.toml", include_str!("../template/cell.toml")),
+    (
+        "cell.schema.json",
+        include_str!("../../../editor-support/cell.schema.json"),
+    ),
     ("README.md", include_str!("../template/README.md")),
     (".gitignore", include_str!("../template/.gitignore")),
     (
@@ -21,7 +26,7 @@ const FILES: &[(&str, &str)] = &[
 /// Carries out `rpic new`: creates the folder `path` with a project in it. A folder that exists must be empty.
 ///
 /// # Errors
-/// If the folder is not empty, its name cannot name a project, or a file cannot be written.
+/// Returns an error if the folder is not empty, its name cannot name a project, or a file cannot be written.
 pub(crate) fn new(path: &Path) -> CommandResult {
     let name = project_name(path)?;
     let is_occupied = match fs::read_dir(path) {
@@ -45,8 +50,8 @@ pub(crate) fn new(path: &Path) -> CommandResult {
     Ok(Exit::Success)
 }
 
-/// Returns the name of a new project: the last part of the path. The name is put in quoted texts of TOML, so control
-/// characters, quotes and backslashes are errors.
+/// Returns the name of a new project: the last part of its path. The name is written in quoted texts of TOML, so a name
+/// with control characters, quotes or backslashes is an error.
 fn project_name(path: &Path) -> Result<String, String> {
     let name = path.file_name().and_then(|name| name.to_str());
     let name = name.ok_or_else(|| format!("{} does not name a folder", path.display()))?;

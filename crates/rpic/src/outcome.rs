@@ -4,14 +4,14 @@ use std::fs;
 use std::path::Path;
 use std::process::ExitCode;
 
-/// Exit status.
+/// Exit status of `rpic`.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub(crate) enum Exit {
-    /// Success: no errors.
+    /// Status 0: no errors were reported.
     Success,
-    /// Errors were reported.
+    /// Status 1: errors in programs were reported, or a test has failed.
     ErrorsReported,
-    /// A file cannot be read or an option is invalid.
+    /// Status 2: a file cannot be read or written, or an option is invalid.
     BadInput,
 }
 
@@ -25,10 +25,11 @@ impl From<Exit> for ExitCode {
     }
 }
 
-/// Result of a subcommand; the error is a message for people.
+/// Result of a subcommand: the exit status, or an error with a message for people.
 pub(crate) type CommandResult = rpi_cli::CommandResult<Exit>;
 
-/// Writes a result derived from `source` like [`write_output`], but refuses to overwrite `source`.
+/// Writes a result like [`write_output`], but returns an error if `output` is the file `source` from which the result
+/// was computed.
 pub(crate) fn write_result(
     source: &Path,
     output: Option<&Path>,
@@ -51,7 +52,7 @@ pub(crate) fn file_equals(path: &Path, text: &str) -> bool {
     fs::read(path).is_ok_and(|bytes| bytes == text.as_bytes())
 }
 
-/// Writes to a file, or to standard output if there is none. A closed pipe is not an error.
+/// Writes `bytes` to the file `output`, or to standard output if `output` is `None`. A closed pipe is not an error.
 pub(crate) fn write_output(
     output: Option<&Path>,
     bytes: &[u8],

@@ -5,7 +5,7 @@ use std::path::Path;
 use rpi_diag::{Code, Diagnostic, Format, SourceMap, Span, with_noun};
 use rpi_driver::{ClaimPolicy, CompileOptions, Compiled, Input, Test};
 use rpi_image::image::TextRange;
-use rpi_net::{Claim, ClaimKind};
+use rpi_net::{Claim, ClaimKind, Termination};
 use rpi_replay::testing::{ConditionVerdict, TestCase, TestCondition, TestEnd, TestReport, run};
 
 use crate::args::TestArgs;
@@ -13,7 +13,8 @@ use crate::check::{DiagnosticSet, print_diagnostics, print_text};
 use crate::coverage::CoverageTotals;
 use crate::outcome::{CommandResult, Exit};
 
-/// Carries out `rpic test`: runs the tests of each file. The exit status is 1 if a test fails.
+/// Carries out `rpic test`: runs the tests and the examples of each file and prints the results. The exit status is 1
+/// if a test fails.
 pub(crate) fn test(args: &TestArgs) -> CommandResult {
     let (mut exit, mut tally) = (Exit::Success, Tally::default());
     let mut out = TestOutput {
@@ -48,7 +49,7 @@ pub(crate) fn test(args: &TestArgs) -> CommandResult {
     })
 }
 
-/// Output of the test run. The human format is printed immediately, the others as one document at the end.
+/// Output of a run of tests. The human format is printed at once, all other formats as one document at the end.
 struct TestOutput {
     format: Format,
     diagnostics: DiagnosticSet,
@@ -83,7 +84,7 @@ impl TestOutput {
     }
 }
 
-/// Number of tests by result.
+/// Numbers of tests that have passed, have failed, and were excluded by `--filter`.
 #[derive(Default)]
 struct Tally {
     passed: usize,
@@ -101,7 +102,8 @@ impl Tally {
     }
 }
 
-/// Compiles and runs the examples in the doc comments of a program.
+/// Compiles the examples in the doc comments of a program, runs their tests, and adds the results to the numbers of
+/// tests. An example with an error counts as a failed test.
 fn examples(
     input: &Input,
     args: &TestArgs,
@@ -133,7 +135,8 @@ fn examples(
     Ok(())
 }
 
-/// Runs the tests of a program and returns their coverage, if it was recorded.
+/// Runs the tests of a compiled program and prints their results. Returns their coverage, which is empty unless it was
+/// requested.
 fn run_file(
     file: &Path,
     args: &TestArgs,
@@ -156,7 +159,9 @@ fn run_file(
             true => tally.passed += 1,
             false => tally.failed += 1,
         }
-        out.add_diagnostics(&diagnostics(test, &report), &compiled.sources)?;
+        let mut failures = diagnostics(test, &report);
+        rpi_diag::fill_quotes(&mut failures, &compiled.sources);
+        out.add_diagnostics(&failures, &compiled.sources)?;
         report.coverage.iter().for_each(|own| seen.add(own));
     }
     Ok(seen)
@@ -178,7 +183,7 @@ fn report(test: &Test, args: &TestArgs) -> Result<TestReport, String> {
     .map_err(|why| format!("{}: {why}", test.title))
 }
 
-/// Returns whether a claim is an assertion of the test itself, not of a called unit.
+/// Returns whether a claim is an assertion of the test itself, and not of a node that the test calls.
 fn is_own(claim: &Claim) -> bool {
     claim.path.is_empty() && claim.kind == ClaimKind::Assert
 }
@@ -197,7 +202,8 @@ fn condition(claim: &Claim) -> TestCondition {
     }
 }
 
-/// Returns the diagnostics of a test that failed.
+/// Returns the diagnostics of a test: violated assertions and contracts, and an unexpected end. The list is empty for a
+/// test that passed without warnings.
 fn diagnostics(test: &Test, report: &TestReport) -> Vec<Diagnostic> {
     let mut diagnostics = report.violations.clone();
     for (expectation, holds) in own_assertions(test).zip(&report.verdicts) {
@@ -212,7 +218,8 @@ fn diagnostics(test: &Test, report: &TestReport) -> Vec<Diagnostic> {
                         cycles => format!("{name} was absent in all {cycles} cycles"),
                     },
                 )
-                .primary(expectation.span, "never evaluated"),
+                .primary(expectation.span, "never evaluated")
+                .help("make its fragment or state active during the test, or move the assertion out of it"),
             ),
             ConditionVerdict::Violated { cycle, values } => {
                 diagnostics.push(failed_assertion(name, *cycle, values, expectation.span));
@@ -233,7 +240,8 @@ fn failed_assertion(name: &str, cycle: u64, values: &[(String, String)], span: S
         Code::RPI9001,
         format!("{name} does not hold in cycle {cycle}"),
     )
-    .primary(span, "false here");
+    .primary(span, "false here")
+    .help("correct the assertion, or the equations of the flows that it reads");
     let values: Vec<String> = values
         .iter()
         .map(|(name, value)| format!("{name} = {value}"))
@@ -256,8 +264,8 @@ fn end_diagnostic(test: &Test, report: &TestReport, end: &TestEnd) -> Option<Dia
                     with_noun(report.cycles, "cycle")
                 ),
             )
-            .primary(test.span, "this test has a `finish`")
-            .help("correct its condition, or allow more cycles with `--cycles`"),
+            .primary(finish_span(test), "never true in these cycles")
+            .help("correct the condition of this `finish`, or allow more cycles with `--cycles`"),
         ),
         TestEnd::Failed(name) => Some(
             Diagnostic::new(
@@ -268,16 +276,32 @@ fn end_diagnostic(test: &Test, report: &TestReport, end: &TestEnd) -> Option<Dia
         ),
         TestEnd::Fault {
             what,
+            advice,
             location: place,
         } => {
             let diagnostic = Diagnostic::new(Code::RPI9003, format!("{what}, in cycle {cycle}"));
-            Some(match place {
+            let diagnostic = match place {
                 Some(place) => diagnostic
-                    .primary(span(*place), "here")
+                    .primary(span(*place), "fault in this operation")
                     .secondary(test.span, "in this test"),
                 None => diagnostic.primary(test.span, "in this test"),
+            };
+            Some(match advice {
+                Some(advice) => diagnostic.help(advice.clone()),
+                None => diagnostic,
             })
         }
+    }
+}
+
+/// Returns the place of the only `finish` of a test; that of its title if there are several results.
+fn finish_span(test: &Test) -> Span {
+    match &test.net.termination {
+        Termination::Results(results) => match &results[..] {
+            [only] if !only.origin.span.is_none() => only.origin.span,
+            _ => test.span,
+        },
+        Termination::Ports { .. } => test.span,
     }
 }
 

@@ -29,6 +29,15 @@ fn a_new_project_checks_tests_and_is_formatted() {
     }
     let manifest = std::fs::read_to_string(project.join("rpi.toml")).unwrap();
     assert!(manifest.contains("name = \"pick cell\""), "{manifest}");
+    let cell = std::fs::read_to_string(project.join("cell.toml")).unwrap();
+    let schema = cell
+        .lines()
+        .next()
+        .and_then(|line| line.strip_prefix("#:schema "));
+    let schema = std::fs::read_to_string(project.join(schema.expect("a schema"))).unwrap();
+    let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("../..");
+    let own = std::fs::read_to_string(root.join("editor-support/cell.schema.json")).unwrap();
+    assert_eq!(schema, own);
 }
 
 #[test]

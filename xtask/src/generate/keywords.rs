@@ -39,7 +39,7 @@ fn rows(out: &mut String, wanted: impl Fn(&Keyword) -> bool) {
     }
 }
 
-/// Operators that consist of several keywords: level, form, associativity, meaning.
+/// Operators that consist of several keywords: precedence level, form, associativity and meaning of each.
 const MIXFIX_OPERATORS: [(u8, &str, &str, &str); 3] = [
     (
         PRECEDENCE_IF,

@@ -57,7 +57,7 @@ fn line(out: &mut String, head: &str, items: impl Iterator<Item = String>) {
     }
 }
 
-/// Removes the space after `///`, which doc comments keep.
+/// Returns a doc comment without the space at the start of each line, which follows the `///`.
 fn unindent(doc: &str) -> String {
     let lines: Vec<&str> = doc
         .trim()

@@ -10,7 +10,7 @@ use serde_json::{Value, json};
 const NAME: &str = "[A-Za-z_][A-Za-z0-9_']*";
 const TYPES: &[&str] = &["bool", "int", "real"];
 const CONSTANTS: &[&str] = &["true", "false"];
-/// Predeclared flows, values and operators (language reference).
+/// Predeclared flows, values and operators of the language, which the grammar highlights.
 const PREDECLARED: &[&str] = &[
     "cancel",
     "dt",
@@ -65,7 +65,7 @@ fn literals() -> Value {
     ])
 }
 
-/// Creates the pattern for a declaring keyword and the declared name.
+/// Returns the pattern that highlights a declaring keyword and the name that it declares.
 fn declarations() -> Value {
     let words = alternatives(
         KEYWORDS

@@ -1,5 +1,6 @@
 //! Test cases of the corpus, and the verdict on each.
 
+use crate::task_error::TaskError;
 use std::path::{Path, PathBuf};
 
 use rpi_diag::{Code, CodeGroup};
@@ -9,26 +10,26 @@ use super::options::{Expectation, Options};
 use super::tool::{ToolOutput, Tools};
 use super::trace::{Flow, Trace, UNDEFINED};
 
-/// Result of running a program of a corpus of Lustre programs.
+/// Result of the test of one program in a corpus of Lustre programs. Each variant carries a text with details.
 #[derive(Clone, PartialEq, Debug)]
 pub(crate) enum Verdict {
-    /// The program's file is missing, or its trace has an unknown format.
+    /// The file of the program is missing, or its trace has an unknown format.
     Missing(String),
-    /// The program does not parse.
+    /// The program has a syntax error; the text has code and message.
     NotParsed(String),
-    /// The program is rejected: code and message.
+    /// The compiler rejects the program; the text has code and message.
     Rejected(String),
-    /// A tool crashed or timed out.
+    /// A tool crashed or timed out on the program.
     Crashed(String),
-    /// The program's result differs from the expected one.
+    /// The run of the program ended with a fault; the text has its message.
     Fault(String),
-    /// The result differs from the expected one.
+    /// The outputs or the error codes of the program differ from the expected ones.
     Mismatch(String),
-    /// The program's result is as expected.
+    /// The program gives the expected result.
     Pass(String),
 }
 
-/// Program of a corpus, with its expected result.
+/// Program of a corpus of Lustre programs, with its expected result.
 pub(crate) struct Case {
     pub(crate) name: String,
     path: PathBuf,
@@ -40,15 +41,18 @@ enum Expected {
     Rejection,
     Codes(Vec<String>),
     Run,
-    /// The contracts must hold, unless the program is excluded for this reason.
+    /// The program must satisfy its contracts. If there is a reason, the program is excluded and must not satisfy them.
     Contracts(Option<String>),
 }
 
-/// Relative tolerance of real values.
+/// Relative tolerance of real values for magnitudes above 1, and absolute tolerance below.
 const TOLERANCE: f64 = 1e-6;
 
-/// All selected programs, by name.
-pub(crate) fn cases(options: &Options) -> Result<Vec<Case>, String> {
+/// Returns the selected programs of a corpus with their expected results, by name.
+///
+/// # Errors
+/// Returns an error if a file cannot be read or no program is selected.
+pub(crate) fn cases(options: &Options) -> Result<Vec<Case>, TaskError> {
     let only = options.filter.as_deref().unwrap_or_default();
     let mut cases = match &options.expectation {
         Expectation::Match(traces) => trace_cases(&options.programs, traces)?,
@@ -59,12 +63,12 @@ pub(crate) fn cases(options: &Options) -> Result<Vec<Case>, String> {
     };
     cases.retain(|case| case.name.contains(only));
     match cases.is_empty() {
-        true => Err(format!("no programs in {}", options.programs.display())),
+        true => Err(format!("no programs in {}", options.programs.display()).into()),
         false => Ok(cases),
     }
 }
 
-fn trace_cases(programs: &Path, traces: &Path) -> Result<Vec<Case>, String> {
+fn trace_cases(programs: &Path, traces: &Path) -> Result<Vec<Case>, TaskError> {
     let bad = |e: &dyn std::fmt::Display| format!("{}: {e}", traces.display());
     let text = std::fs::read_to_string(traces).map_err(|e| bad(&e))?;
     let entries: Value = serde_json::from_str(&text).map_err(|e| bad(&e))?;
@@ -79,9 +83,10 @@ fn trace_cases(programs: &Path, traces: &Path) -> Result<Vec<Case>, String> {
     Ok(entries.iter().map(case).collect())
 }
 
-/// The programs of a table: a JSON object that maps files to lists of codes. Any code of a list is accepted; `RPI2`
-/// matches all codes with this prefix. An empty list means that the program must be accepted.
-fn code_cases(programs: &Path, table: &Path) -> Result<Vec<Case>, String> {
+/// Returns the programs that a table lists: a JSON object that maps file names to lists of codes. A program must be
+/// rejected with any code of its list, where `RPI2` stands for all codes with this prefix. An empty list means that the
+/// program must be accepted.
+fn code_cases(programs: &Path, table: &Path) -> Result<Vec<Case>, TaskError> {
     let bad = |e: &dyn std::fmt::Display| format!("{}: {e}", table.display());
     let text = std::fs::read_to_string(table).map_err(|e| bad(&e))?;
     let table: std::collections::BTreeMap<String, Vec<String>> =
@@ -94,8 +99,9 @@ fn code_cases(programs: &Path, table: &Path) -> Result<Vec<Case>, String> {
     Ok(table.into_iter().map(case).collect())
 }
 
-/// All programs of a directory, with a list of excluded ones: a JSON object that maps files to reasons.
-fn contract_cases(programs: &Path, list: &Path) -> Result<Vec<Case>, String> {
+/// Returns all programs of a directory, which must satisfy their contracts. The file `list` is a JSON object that maps
+/// the file names of excluded programs to reasons.
+fn contract_cases(programs: &Path, list: &Path) -> Result<Vec<Case>, TaskError> {
     let bad = |e: &dyn std::fmt::Display| format!("{}: {e}", list.display());
     let text = std::fs::read_to_string(list).map_err(|e| bad(&e))?;
     let mut reasons: std::collections::BTreeMap<String, String> =
@@ -105,12 +111,12 @@ fn contract_cases(programs: &Path, list: &Path) -> Result<Vec<Case>, String> {
         case.expected = Expected::Contracts(reasons.remove(&case.name));
     }
     match reasons.into_keys().next() {
-        Some(name) => Err(bad(&format!("unknown program {name}"))),
+        Some(name) => Err(bad(&format!("unknown program {name}")).into()),
         None => Ok(cases),
     }
 }
 
-fn directory_cases(programs: &Path, wanted: fn() -> Expected) -> Result<Vec<Case>, String> {
+fn directory_cases(programs: &Path, wanted: fn() -> Expected) -> Result<Vec<Case>, TaskError> {
     let (mut open, mut found) = (vec![programs.to_owned()], Vec::new());
     while let Some(folder) = open.pop() {
         let entries = std::fs::read_dir(&folder);
@@ -139,7 +145,7 @@ fn directory_cases(programs: &Path, wanted: fn() -> Expected) -> Result<Vec<Case
 }
 
 impl Case {
-    /// Runs the program and returns the verdict.
+    /// Runs the program with the tools and compares the result with the expected one.
     pub(crate) fn judge(&self, tools: &Tools) -> Verdict {
         let path = self.path.display().to_string();
         if !self.path.is_file() {
@@ -162,10 +168,11 @@ impl Case {
     }
 }
 
-/// Number of cycles for checking the contracts of a program.
+/// Number of cycles in which the contracts of a program are checked with random inputs.
 const CONTRACT_CYCLES: &str = "100";
 
-/// Checks that a program is accepted and satisfies its guarantees for random inputs that satisfy its assumptions.
+/// Checks that a program is accepted, and that it satisfies its guarantees for random inputs that satisfy its
+/// assumptions.
 fn check_contracts(tools: &Tools, path: &str) -> Verdict {
     let checked = run_check(tools, path);
     if checked.status != Some(0) {
@@ -183,11 +190,12 @@ fn check_contracts(tools: &Tools, path: &str) -> Verdict {
     }
 }
 
-/// Message of `rpi run` for a program that has only generic nodes, types or constants.
+/// Message of `rpi run` for a program that has no node to run, because it has only generic nodes, types or constants.
 // Decided by the text because the exit status does not distinguish this case. Must match `rpi-driver/src/node.rs`.
 const NO_NODE: &str = "there is no node in it that can be run";
 
-/// Turns the verdict on an excluded program around: it must fail, and only an excluded one may.
+/// Returns the verdict on a program that may be excluded. An excluded program (with a `reason`) passes only if `fate`,
+/// the verdict on its run, is a failure other than a crash. Other programs have the verdict `fate`.
 fn apply_exclusion(reason: Option<&str>, fate: Verdict) -> Verdict {
     match (reason, fate) {
         (Some(_), Verdict::Pass(_)) => Verdict::Mismatch("excluded, but it passes".to_owned()),
@@ -229,7 +237,8 @@ fn check_trace(trace: &Trace, path: &str, tools: &Tools) -> Verdict {
     }
 }
 
-/// Compares a trace with a table and reports the first difference.
+/// Compares the expected outputs of a trace with the table that `rpi run` has printed. The verdict names the first
+/// difference.
 fn compare(trace: &Trace, table: &str) -> Verdict {
     let mut lines = table.lines();
     let names: Vec<String> = lines
@@ -276,19 +285,20 @@ fn same(wanted: &str, found: &str) -> bool {
     }
 }
 
-/// Flattens a name: `x[2].f` becomes `x_2_f`.
+/// Returns the name of a leaf of a structured flow in the form of the traces: `x[2].f` becomes `x_2_f`.
 fn flattened_name(name: &str) -> String {
     let kept = name.chars().filter(|c| *c != ']');
     kept.map(|c| if matches!(c, '.' | '[') { '_' } else { c })
         .collect()
 }
 
-/// Returns the group of the code at the start of a message; `None` if there is none.
+/// Returns the group of the diagnostic code at the start of a message; `None` if the message does not start with a
+/// code.
 fn group(message: &str) -> Option<CodeGroup> {
     Code::parse(message.get(..7)?).map(Code::group)
 }
 
-/// Returns the verdict on a run that failed; `None` for a successful run.
+/// Returns the verdict on a run of a tool that failed; `None` for a successful run.
 fn failure(ended: &ToolOutput) -> Option<Verdict> {
     let why = first_error(&ended.err);
     match ended.status {
@@ -304,7 +314,8 @@ fn run_check(tools: &Tools, path: &str) -> ToolOutput {
     tools.run("rpic", &["check", "--format", "short", path])
 }
 
-/// Checks that one of the errors has one of the codes, or that there is no error if no codes are expected.
+/// Returns the verdict on the output of `rpic check`. It is a pass if one of the errors has one of the expected codes,
+/// or if no codes are expected and there is no error.
 fn check_codes(codes: &[String], ended: &ToolOutput) -> Verdict {
     let output = format!("{}{}", ended.out, ended.err);
     let errors: Vec<&str> = output.lines().filter_map(error_of_line).collect();
@@ -319,7 +330,7 @@ fn check_codes(codes: &[String], ended: &ToolOutput) -> Verdict {
     }
 }
 
-/// Returns code and message of an output line that reports an error; `None` for other lines.
+/// Returns the code and the message of an output line that reports an error; `None` for other lines.
 fn error_of_line(line: &str) -> Option<&str> {
     line.split_once(": error ").map(|(_, error)| error)
 }
@@ -333,7 +344,8 @@ fn check_rejection(ended: &ToolOutput) -> Verdict {
     }
 }
 
-/// Returns code, message and place of the first error in the output of a tool.
+/// Returns the code, message and location of the first error in the output of a tool; the first line if there is no
+/// error.
 fn first_error(output: &str) -> String {
     let mut lines = output.lines().skip_while(|line| !line.contains("error"));
     let Some(line) = lines.next() else {

@@ -19,6 +19,7 @@ mod report;
 mod tool;
 mod trace;
 
+use crate::task_error::TaskError;
 use std::collections::VecDeque;
 use std::sync::Mutex;
 
@@ -27,8 +28,8 @@ use options::Options;
 use report::Report;
 use tool::Tools;
 
-/// Carries out `cargo xtask lustre-corpus`: runs the programs of a corpus and prints the report.
-pub(crate) fn corpus(args: &[String]) -> Result<(), String> {
+/// Carries out `cargo xtask lustre-corpus`: runs the Lustre programs of a corpus with the tools and prints the report.
+pub(crate) fn corpus(args: &[String]) -> Result<(), TaskError> {
     let options = Options::parse(args)?;
     let cases = cases::cases(&options)?;
     let tools = Tools::build()?;
@@ -36,11 +37,11 @@ pub(crate) fn corpus(args: &[String]) -> Result<(), String> {
     print!("{}", report.print(options.list));
     match report.is_good() {
         true => Ok(()),
-        false => Err(String::new()),
+        false => Err(TaskError::default()),
     }
 }
 
-/// Runs all cases on several threads. The results are in the order of the cases.
+/// Tests all programs on several threads. Returns name and verdict of each, in the order of `cases`.
 fn judge_all(cases: Vec<Case>, tools: &Tools) -> Vec<(String, Verdict)> {
     let threads = std::thread::available_parallelism().map_or(1, usize::from);
     let open: Mutex<VecDeque<(usize, Case)>> = Mutex::new(cases.into_iter().enumerate().collect());

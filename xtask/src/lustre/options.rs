@@ -1,35 +1,38 @@
 //! Command line of `lustre-corpus`.
 
+use crate::task_error::TaskError;
 use std::path::PathBuf;
 
-/// Expected result of the programs of a corpus.
+/// Expected result of the Lustre programs of a corpus.
 #[derive(Clone, PartialEq, Eq, Debug)]
 pub(crate) enum Expectation {
-    /// The outputs must be those in this file of traces.
+    /// The outputs of the programs must be those in this file of traces (JSON).
     Match(PathBuf),
-    /// The programs must be rejected.
+    /// The compiler must reject all programs.
     Reject,
-    /// The programs must be rejected with the codes listed in this table, or accepted for an empty list.
+    /// The compiler must reject the programs with the codes that this table (JSON) lists for each; it must accept a
+    /// program with an empty list.
     Codes(PathBuf),
-    /// The programs must run successfully.
+    /// All programs must run without an error.
     Run,
-    /// The programs must be accepted and satisfy their contracts, except for those in this list of exclusions with
-    /// reasons.
+    /// The compiler must accept the programs, and they must satisfy their contracts. The programs in this file (JSON)
+    /// are excluded, each with a reason.
     Contracts(PathBuf),
 }
 
 /// Options of `cargo xtask lustre-corpus`.
 #[derive(Clone, Debug)]
 pub(crate) struct Options {
-    /// Directory of the programs.
+    /// Directory that contains the programs (`.lus`).
     pub(crate) programs: PathBuf,
     /// Expected result of the programs.
     pub(crate) expectation: Expectation,
-    /// Groups of programs that are counted separately: a JSON object of lists of names.
+    /// File with groups of programs that the report counts separately: a JSON object that maps the name of a group to a
+    /// list of program names. `None` for no groups.
     pub(crate) groups: Option<PathBuf>,
-    /// Print all programs, not only those that fail.
+    /// True if the report lists all programs, not only those that fail.
     pub(crate) list: bool,
-    /// Select only programs whose name contains this text.
+    /// Text that the names of the selected programs must contain; `None` for all programs.
     pub(crate) filter: Option<String>,
 }
 
@@ -38,7 +41,7 @@ const USAGE: &str =
     [--groups FILE.json] [--only TEXT] [--list]";
 
 impl Options {
-    pub(crate) fn parse(args: &[String]) -> Result<Options, String> {
+    pub(crate) fn parse(args: &[String]) -> Result<Options, TaskError> {
         let mut programs = None;
         let mut options = Options {
             programs: PathBuf::new(),
@@ -59,7 +62,7 @@ impl Options {
                 "--groups" => options.groups = Some(value()?.into()),
                 "--only" => options.filter = Some(value()?.clone()),
                 "--list" => options.list = true,
-                _ => return Err(USAGE.to_owned()),
+                _ => return Err(USAGE.into()),
             }
         }
         options.programs = programs.ok_or(USAGE)?.into();

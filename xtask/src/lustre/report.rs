@@ -1,5 +1,6 @@
 //! Summary of the verdicts on all programs.
 
+use crate::task_error::TaskError;
 use std::collections::BTreeMap;
 use std::fmt::Write as _;
 
@@ -8,14 +9,14 @@ use serde_json::Value;
 use super::cases::Verdict;
 use super::options::Options;
 
-/// Report on a corpus: the verdicts on all programs, by group.
+/// Report on a corpus of Lustre programs: the verdicts on all programs, and their groups.
 pub(crate) struct Report {
     verdicts: Vec<(String, Verdict)>,
-    /// The group of each program.
+    /// Name of the group of each program, by program name; empty if there are no groups.
     groups: BTreeMap<String, String>,
 }
 
-/// Number of programs that reached each stage.
+/// Number of programs that reached each stage: all, parsed, checked, run, and with the expected result.
 #[derive(Default)]
 struct Counts {
     all: usize,
@@ -49,7 +50,10 @@ impl Counts {
 }
 
 impl Report {
-    pub(crate) fn new(judged: Vec<(String, Verdict)>, options: &Options) -> Result<Report, String> {
+    pub(crate) fn new(
+        judged: Vec<(String, Verdict)>,
+        options: &Options,
+    ) -> Result<Report, TaskError> {
         let mut groups = BTreeMap::new();
         if let Some(path) = &options.groups {
             let bad = |e: &dyn std::fmt::Display| format!("{}: {e}", path.display());
@@ -76,7 +80,8 @@ impl Report {
             .all(|(_, fate)| matches!(fate, Verdict::Pass(_)))
     }
 
-    /// Lists the programs (all, or those that fail), then the counts.
+    /// Returns the text of the report: a line for each program (all, or only those that fail), then the counts of each
+    /// group.
     pub(crate) fn print(&self, list: bool) -> String {
         let mut out = String::new();
         let mut counts: BTreeMap<&str, Counts> = BTreeMap::new();

@@ -1,30 +1,31 @@
 //! Our tools as processes.
 
+use crate::task_error::TaskError;
 use std::fs::File;
 use std::io::{Read, Seek};
 use std::path::{Path, PathBuf};
 use std::process::{Child, Command, Stdio};
 use std::time::{Duration, Instant};
 
-/// Time limit for a program.
+/// Maximum time for one run of a tool. After that the tool is stopped.
 const TIMEOUT: Duration = Duration::from_secs(60);
 
-/// The tools `rpi` and `rpic`, built for running a corpus.
+/// The tools `rpi` and `rpic`, built for testing a corpus of programs.
 pub(crate) struct Tools {
     folder: PathBuf,
 }
 
-/// Exit status and output of a tool.
+/// Exit status and output of a run of a tool.
 pub(crate) struct ToolOutput {
-    /// Exit status; `None` if the tool was killed.
+    /// Exit status of the tool; `None` if it crashed, was stopped or could not be started.
     pub(crate) status: Option<i32>,
     pub(crate) out: String,
     pub(crate) err: String,
 }
 
 impl Tools {
-    /// Builds `rpi` and `rpic` with the profile of this tool.
-    pub(crate) fn build() -> Result<Tools, String> {
+    /// Builds `rpi` and `rpic` with the build profile of this program (release or debug).
+    pub(crate) fn build() -> Result<Tools, TaskError> {
         let cargo = std::env::var("CARGO").unwrap_or_else(|_| "cargo".to_owned());
         let args = [
             "build",
@@ -38,7 +39,7 @@ impl Tools {
         let profile = (!cfg!(debug_assertions)).then_some("--release");
         let status = Command::new(cargo).args(args).args(profile).status();
         if !status.is_ok_and(|status| status.success()) {
-            return Err("cannot build the tools".to_owned());
+            return Err("cannot build the tools".into());
         }
         let me = std::env::current_exe().map_err(|e| e.to_string())?;
         let folder = me.parent().map(Path::to_owned);
@@ -47,7 +48,7 @@ impl Tools {
         })
     }
 
-    /// Runs a tool to its end, or kills it after the time limit.
+    /// Runs a tool with arguments to its end, or stops it after the time limit. Returns its exit status and output.
     pub(crate) fn run(&self, tool: &str, args: &[&str]) -> ToolOutput {
         let ended = self.run_to_end(tool, args);
         ended.unwrap_or_else(|error| ToolOutput {

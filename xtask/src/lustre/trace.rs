@@ -2,13 +2,13 @@
 
 use serde_json::Value;
 
-/// Values of a flow as text, cycle by cycle, with its name.
+/// Flow of a trace: its name, and its value in each cycle as text.
 pub(crate) struct Flow {
     pub(crate) name: String,
     pub(crate) values: Vec<String>,
 }
 
-/// Recorded inputs and outputs of a program.
+/// Recorded inputs, outputs and local flows of a node, cycle by cycle.
 pub(crate) struct Trace {
     pub(crate) node: String,
     pub(crate) inputs: Vec<Flow>,
@@ -18,7 +18,8 @@ pub(crate) struct Trace {
 }
 
 impl Trace {
-    /// Reads one entry of a trace file; `None` if it has neither format.
+    /// Reads the trace of a program from a trace file, in the format of Kind 2 or of Lustre V6. `entry` is the JSON
+    /// value for the program; `None` if it has another format.
     pub(crate) fn read(entry: &Value) -> Option<Trace> {
         match entry.get("node") {
             Some(node) => tables(entry, node.as_str()?),
@@ -26,13 +27,13 @@ impl Trace {
         }
     }
 
-    /// Returns whether an undefined value was read.
+    /// Returns true if an output is undefined in some cycle, because the program reads a delay before its first value.
     pub(crate) fn has_undefined(&self) -> bool {
         let values = self.outputs.iter().flat_map(|flow| &flow.values);
         values.into_iter().any(|value| value == UNDEFINED)
     }
 
-    /// Returns the inputs as a table of comma-separated values.
+    /// Returns the inputs as a table of comma-separated values with a header, as `rpi run --inputs` reads it.
     pub(crate) fn table(&self) -> String {
         let names: Vec<&str> = self.inputs.iter().map(|flow| flow.name.as_str()).collect();
         let mut text = names.join(",");
@@ -46,7 +47,7 @@ impl Trace {
     }
 }
 
-/// Text of an undefined value.
+/// Text of an undefined value in a trace.
 pub(crate) const UNDEFINED: &str = "nil";
 
 impl Flow {
@@ -55,7 +56,8 @@ impl Flow {
     }
 }
 
-/// Reads the format with `inputs`, `outputs` (name and type of each column) and `in`, `out` (rows of strings).
+/// Reads a trace in the format of Lustre V6: `inputs` and `outputs` hold the name and type of each column, `in` and
+/// `out` the rows of values as strings. `node` is the name of the node; `None` for another format.
 fn tables(entry: &Value, node: &str) -> Option<Trace> {
     let rows = entry.get("in")?.as_array()?.len();
     Some(Trace {
@@ -78,7 +80,8 @@ fn columns(names: &Value, rows: &Value) -> Option<Vec<Flow>> {
     names.as_array()?.iter().enumerate().map(column).collect()
 }
 
-/// Reads the format with `inputs` (an object per cycle) and `outputs`, `locals` (a list per flow).
+/// Reads a trace in the format of Kind 2: `inputs` is a list with an object for each cycle, `outputs` and `locals` hold
+/// a list of values for each flow. `node` is the name of the node; `None` for another format.
 fn lists(entry: &Value, node: &str) -> Option<Trace> {
     let rows = entry.get("inputs")?.as_array()?;
     let names = rows.first().and_then(Value::as_object);
@@ -107,7 +110,8 @@ fn listed(flows: &Value) -> Option<Vec<Flow>> {
     flows.as_object()?.iter().map(flow).collect()
 }
 
-/// Returns a JSON value as text in the format of our tables; `{"num": 1, "den": 2}` is a real.
+/// Returns a JSON value of a trace as text in the format of the tables of `rpi run`. An object `{"num": 1, "den": 2}`
+/// is a real (1/2).
 fn text(value: &Value) -> String {
     let part = |name: &str| value.get(name).and_then(number);
     match (value, part("num"), part("den")) {
@@ -124,7 +128,8 @@ fn number(value: &Value) -> Option<f64> {
     }
 }
 
-/// Converts `t`, `f` and fractions to the format of our tables.
+/// Converts a value of a trace to the format of the tables of `rpi run`: `t` and `f` become `true` and `false`, a
+/// fraction such as `1/2` becomes a real.
 fn normalised(text: &str) -> String {
     let fraction = text.split_once('/').and_then(|(num, den)| {
         let (num, den): (f64, f64) = (num.parse().ok()?, den.parse().ok()?);

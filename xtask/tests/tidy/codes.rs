@@ -21,7 +21,13 @@ fn no_page_without_a_code() {
 }
 
 /// Codes that no known program can cause; their pages have no wrong program.
-const NO_PROGRAM: &[Code] = &[Code::RPI7003, Code::RPI9021, Code::RPI9201, Code::RPI9901];
+pub(crate) const NO_PROGRAM: &[Code] = &[
+    Code::RPI7003,
+    Code::RPI9021,
+    Code::RPI9201,
+    Code::RPI9202,
+    Code::RPI9901,
+];
 
 #[test]
 fn pages_carry_their_title_and_both_programs() {

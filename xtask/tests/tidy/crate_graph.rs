@@ -14,7 +14,13 @@ const EDGES: &[(&str, &[&str])] = &[
     ("rpi-motion", &["rpi-kin"]),
     (
         "rpi-sim",
-        &["rpi-device", "rpi-image", "rpi-kin", "rpi-motion"],
+        &[
+            "rpi-device",
+            "rpi-files",
+            "rpi-image",
+            "rpi-kin",
+            "rpi-motion",
+        ],
     ),
     ("rpi-files", &[]),
     ("rpi-words", &[]),
@@ -73,6 +79,7 @@ const EDGES: &[(&str, &[&str])] = &[
             "rpi-diag",
             "rpi-files",
             "rpi-image",
+            "rpi-kin",
             "rpi-literal",
             "rpi-runtime",
             "rpi-sim",
@@ -192,6 +199,8 @@ const EDGES: &[(&str, &[&str])] = &[
             "rpi-diag",
             "rpi-driver",
             "rpi-image",
+            "rpi-record",
+            "rpi-runtime",
             "rpi-sim",
             "rpi-syntax",
             "rpi-testkit",
@@ -200,9 +209,11 @@ const EDGES: &[(&str, &[&str])] = &[
     (
         "xtask",
         &[
+            "rpi-device",
             "rpi-diag",
             "rpi-image",
             "rpi-prims",
+            "rpi-sim",
             "rpi-syntax",
             "rpi-testkit",
         ],

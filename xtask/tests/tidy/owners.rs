@@ -23,18 +23,29 @@ const OWNERS: &[(&str, &[&str])] = &[
     ("logos", &["rpi-syntax"]),
     ("lsp-server", &["rpi-lsp"]),
     ("lsp-types", &["rpi-lsp"]),
-    ("mcap", &["rpi-record"]),
+    ("mcap", &["rpi-fuzz", "rpi-record"]),
     ("miette", &["rpi-diag"]),
     ("mimalloc", &["rpic"]),
     (
         "nalgebra",
-        &["rpi-kin", "rpi-motion", "rpi-prims", "rpi-sim"],
+        &[
+            "rpi-kin",
+            "rpi-motion",
+            "rpi-prims",
+            "rpi-record",
+            "rpi-sim",
+        ],
     ),
     ("petgraph", &["rpi-net", "rpi-sema"]),
+    ("prometheus-client", &["rpi-serve"]),
     ("pulldown-cmark", &["rpi-doc"]),
-    ("rtrb", &["rpi-runtime"]),
+    ("roxmltree", &["rpi-sim"]),
+    ("rtrb", &["rpi-runtime", "rpi-sim"]),
     ("rustc-hash", &["rpi-lower", "rpi-net"]),
-    ("rustix", &["rpi-bench", "rpi-fuzz", "rpi-runtime"]),
+    (
+        "rustix",
+        &["rpi-bench", "rpi-fuzz", "rpi-runtime", "rpi-serve"],
+    ),
     ("rustls", &["rpi-client", "rpi-serve"]),
     ("seccompiler", &["rpi-runtime"]),
     (
@@ -77,8 +88,10 @@ const OWNERS: &[(&str, &[&str])] = &[
     ("tempfile", &["xtask"]),
     ("terminal_size", &["rpi-diag"]),
     ("thread-priority", &["rpi-runtime"]),
+    ("time", &["rpi-serve"]),
     ("toml", &["rpi-driver", "rpi-sim"]),
     ("tungstenite", &["rpi-client", "rpi-serve"]),
+    ("zstd", &["rpi-record"]),
     ("assert_no_alloc", &["rpi-testkit"]),
 ];
 
@@ -90,6 +103,8 @@ const TEST_TOOLS: &[&str] = &[
     "markup5ever_rcdom",
     "proptest",
     "rcgen",
+    "regex",
+    "regex",
     "stateright",
     "tempfile",
 ];

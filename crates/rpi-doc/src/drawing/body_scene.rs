@@ -13,10 +13,11 @@ use super::scene::{BoxId, Drawing, End, Link, Role, SceneId, Shape, ShapeId};
 use crate::declaration::PageContext;
 use crate::members::one_line;
 
-/// Largest number of characters in a line of a box.
+/// Maximum number of characters in a line of text in a box.
 const MAX_LINE_CHARS: usize = 34;
 
-/// Returns the drawing of the body of a declaration.
+/// Returns the drawing of the body of a declaration: boxes for its inputs, equations, fragments and automata, and lines
+/// for the data flow. `id` is the declaration.
 pub(super) fn drawing(shown: &PageContext<'_>, id: DefId, body: &Body) -> Drawing {
     let mut builder = Builder {
         shown,
@@ -52,7 +53,8 @@ struct Builder<'b> {
 }
 
 impl Builder<'_> {
-    /// Adds the in-ports of a declaration. Devices are shown by the ports that are read.
+    /// Adds a box for each in-port of the declaration `id`. An in-port for a device gets no box, because the ports of
+    /// the device that the body reads are shown instead.
     fn inputs(&mut self, root: SceneId, id: DefId) {
         let index = self.shown.inspected.index();
         let file = index.def(id).span.file;
@@ -74,7 +76,8 @@ impl Builder<'_> {
         }
     }
 
-    /// Adds boxes for values that come from devices or from the execution of the command.
+    /// Adds boxes for values that are read but not defined in the body: ports of devices, and predeclared flows such as
+    /// `cancel`.
     fn external_inputs(&mut self, root: SceneId) {
         for key in self.traffic.undefined() {
             if matches!(key, Source::Flow(_)) {
@@ -119,7 +122,7 @@ impl Builder<'_> {
         }
     }
 
-    /// Adds the equations that replace a block after desugaring.
+    /// Adds boxes for the equations to which a conditional block or a frame block is desugared.
     fn meaning(&mut self, scene: SceneId, means: &Desugared) {
         for (equation, span) in &means.equations {
             self.equation(scene, equation, *span);
@@ -148,7 +151,8 @@ impl Builder<'_> {
         }
     }
 
-    /// Returns what an equation defines, and whether it is an output of the declaration.
+    /// Returns the flow that a target of an equation defines, and true if the flow is an out-port or parameter of the
+    /// declaration, so that its value leaves the body. Returns `None` for an undefined name.
     fn key(&self, target: &Target) -> Option<(Source, bool)> {
         let index = self.shown.inspected.index();
         let def = index.references_in(target.name.span).first()?.def;
@@ -157,7 +161,8 @@ impl Builder<'_> {
         Some((Source::Flow(def), leaves))
     }
 
-    /// Draws an operator or a call as a box, with lines from the flows that it reads.
+    /// Adds a box with the text of an expression and its title. `whole` is the range of source text that the tooltip
+    /// shows. The box is linked to the declaration that the expression calls.
     fn add_expr_box(
         &mut self,
         scene: SceneId,
@@ -177,7 +182,8 @@ impl Builder<'_> {
         self.drawing.shape(scene, shape)
     }
 
-    /// Returns the link to the declaration called by an expression.
+    /// Returns the address of the declaration that an expression calls; `None` if the expression is not a call or the
+    /// callee has no page.
     fn callee(&self, value: &Expr) -> Option<String> {
         let ExprKind::Call(call) = &value.unparen().kind else {
             return None;
@@ -291,7 +297,7 @@ fn undelayed_read(key: Source) -> Read {
     }
 }
 
-/// Shortens a text to the width of a box.
+/// Returns a text shortened to the maximum number of characters in a line of a box, with an ellipsis at the end.
 pub(super) fn truncated(text: &str) -> String {
     match text.chars().count() > MAX_LINE_CHARS {
         true => text

@@ -3,40 +3,43 @@
 //! Sugiyama, Tagawa and Toda, "Methods for visual understanding of hierarchical system structures", 1981: layers by the
 //! longest path, dummy vertices for edges over several layers, and barycentre sweeps back and forth.
 
-/// Constraint on the layer of a box.
+/// Constraint on the layer (column) of a box in a drawing.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub(super) enum LayerConstraint {
-    /// First layer, at the left.
+    /// The box is in the first layer, at the left.
     First,
-    /// Last layer, at the right.
+    /// The box is in the last layer, at the right.
     Last,
-    /// Layer determined by the edges.
+    /// The edges determine the layer of the box.
     Free,
 }
 
-/// Edge of the layered graph, between two boxes of a drawing.
+/// Directed edge between two boxes of a drawing, which are identified by their indices.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub(super) struct Edge {
     pub(super) from: usize,
     pub(super) to: usize,
-    /// On input, whether the edge is ignored when layers are assigned. On output, whether the edge points backwards.
+    /// As input of the layering: true if the edge is ignored when layers are assigned. As output: true if the edge
+    /// points backwards, from right to left.
     pub(super) back: bool,
 }
 
-/// Boxes in layers. Numbers at or above the number of boxes are dummy vertices of edges.
+/// Boxes of a drawing, assigned to layers. A vertex below the number of boxes is the index of a box; other vertices are
+/// dummies through which edges over several layers pass.
 #[derive(Default, Debug)]
 pub(super) struct Layers {
-    /// Vertices of each layer, from top to bottom.
+    /// Vertices of each layer from top to bottom. The layers are the columns of the drawing, from left to right.
     pub(super) columns: Vec<Vec<usize>>,
-    /// For each forward edge its vertices: start, dummy vertices, end. Empty for backward edges.
+    /// For each edge that points forwards, the vertices on its way: start box, dummy vertices, end box. Empty for an
+    /// edge that points backwards.
     pub(super) chains: Vec<Vec<usize>>,
 }
 
-/// Number of sweeps that improve the order within the layers.
+/// Number of passes over all layers that reorder the vertices within each layer to reduce line crossings.
 const SWEEPS: usize = 12;
 
-/// Assigns boxes to layers. `pins` constrains the layer of each box. Edges that would close a cycle of the graph become
-/// backward edges.
+/// Assigns the boxes of a drawing to layers, and orders them within the layers. `pins` constrains the layer of each
+/// box. An edge that would close a cycle becomes a backward edge.
 pub(super) fn layers(pins: &[LayerConstraint], edges: &mut [Edge]) -> Layers {
     break_cycles(pins.len(), edges);
     let level = levels(pins, edges);
@@ -53,7 +56,8 @@ pub(super) fn layers(pins: &[LayerConstraint], edges: &mut [Edge]) -> Layers {
     layers
 }
 
-/// Marks as backward each edge to a vertex that is still open in the depth-first search.
+/// Makes the graph acyclic: marks as backward each edge that leads to a vertex on the current path of a depth-first
+/// search. `count` is the number of vertices.
 fn break_cycles(count: usize, edges: &mut [Edge]) {
     let mut state = vec![0_u8; count];
     for start in 0..count {
@@ -78,8 +82,8 @@ fn visit(vertex: usize, state: &mut [u8], edges: &mut [Edge]) {
     state[vertex] = 2;
 }
 
-/// Returns the layer of each box: to the right of all boxes that it reads. A box without sources is moved next to its
-/// first reader.
+/// Returns the index of the layer of each box: to the right of all boxes whose values it reads. A free box that reads
+/// no value is moved next to its first reader.
 fn levels(pins: &[LayerConstraint], edges: &[Edge]) -> Vec<usize> {
     let mut level = vec![0; pins.len()];
     let forward: Vec<&Edge> = edges.iter().filter(|edge| !edge.back).collect();
@@ -102,7 +106,8 @@ fn levels(pins: &[LayerConstraint], edges: &[Edge]) -> Vec<usize> {
     level
 }
 
-/// Adds a dummy vertex in each intermediate layer of an edge over several layers.
+/// Adds a dummy vertex in each layer that an edge crosses between its two boxes. Returns the vertices on the way of
+/// each edge; empty for backward edges.
 fn chains(level: &[usize], edges: &[Edge], columns: &mut [Vec<usize>]) -> Vec<Vec<usize>> {
     let mut next = level.len();
     let mut chains = Vec::new();
@@ -127,7 +132,8 @@ fn chains(level: &[usize], edges: &[Edge], columns: &mut [Vec<usize>]) -> Vec<Ve
 }
 
 impl Layers {
-    /// Orders each layer by the barycentres of its neighbours, sweeping left and right, and keeps the best order found.
+    /// Reduces line crossings: orders each layer by the mean position of the connected vertices in the neighbouring
+    /// layer, in sweeps to the right and to the left. The order with the fewest crossings is used.
     fn reduce_crossings(&mut self) {
         let links = self.links();
         let mut best = self.columns.clone();
@@ -152,7 +158,8 @@ impl Layers {
         self.columns = best;
     }
 
-    /// Returns the pairs of vertices in adjacent layers that an edge connects.
+    /// Returns all pairs of connected vertices in adjacent layers: (vertex in the left layer, vertex in the right
+    /// layer).
     pub(super) fn links(&self) -> Vec<(usize, usize)> {
         let pairs = self.chains.iter().flat_map(|chain| chain.windows(2));
         pairs.map(|pair| (pair[0], pair[1])).collect()

@@ -5,36 +5,42 @@ use std::fmt::Write as _;
 use super::layering::{Edge, LayerConstraint, Layers, layers};
 use super::scene::{Drawing, End, Link, Role, SceneId, Shape};
 
-/// Width of a character in the title of a box, in SVG units.
+/// Width of a character in the title of a box, in SVG units (pixels).
 const TITLE: f64 = 7.2;
+/// Width of a character in the second line of a box, in SVG units (pixels).
 const DETAIL: f64 = 6.7;
+/// Width of a character in the label of a line, in SVG units (pixels).
 const LABEL: f64 = 6.2;
-/// Heights of a box with one line and with two lines of text.
+/// Height of a box with one line of text, in SVG units (pixels).
 const ONE_LINE_HEIGHT: f64 = 24.0;
+/// Height of a box with two lines of text, in SVG units (pixels).
 const TWO_LINE_HEIGHT: f64 = 40.0;
-/// Space above a nested scene within the box that contains it, in SVG units.
+/// Space above a nested scene within the box that contains the scene, in SVG units (pixels).
 pub(super) const HEAD: f64 = 42.0;
+/// Space beside and below a nested scene within the box that contains the scene, in SVG units (pixels).
 pub(super) const PAD: f64 = 12.0;
-/// Vertical space between the boxes of a column, and horizontal space between columns.
+/// Vertical space between two boxes of a column, in SVG units (pixels).
 const ROW_GAP: f64 = 14.0;
+/// Minimum horizontal space between two columns of boxes, in SVG units (pixels).
 const COLUMN_GAP: f64 = 40.0;
-/// Space below a box for a line back to itself, and for each line drawn backwards, in SVG units.
+/// Height below a box for a line from the box back to itself, in SVG units (pixels).
 const LOOP: f64 = 14.0;
+/// Height below all boxes for each line that runs backwards, from right to left, in SVG units (pixels).
 const LANE_HEIGHT: f64 = 14.0;
-/// Number of sweeps that move boxes towards their neighbours.
+/// Number of passes over all columns that move boxes vertically towards the boxes with which they are connected.
 const SWEEPS: usize = 10;
 
-/// Drawing with coordinates for all boxes and lines, ready to be written as SVG.
+/// Scene (boxes of one nesting level and the lines between them) with coordinates, in SVG units (pixels).
 pub(super) struct SceneLayout {
     pub(super) width: f64,
     pub(super) height: f64,
-    /// One per shape of the scene.
+    /// Coordinates of the boxes, in the order of the shapes of the scene.
     pub(super) boxes: Vec<BoxLayout>,
-    /// One per link of the scene.
+    /// Coordinates of the lines, in the order of the links of the scene.
     pub(super) lines: Vec<LineLayout>,
 }
 
-/// Box with coordinates, relative to its scene.
+/// Box with coordinates in SVG units (pixels), relative to the upper left corner of its scene.
 pub(super) struct BoxLayout {
     pub(super) x: f64,
     pub(super) y: f64,
@@ -43,12 +49,12 @@ pub(super) struct BoxLayout {
     pub(super) inner: Option<SceneLayout>,
 }
 
-/// Line of a drawing, with the coordinates of its points.
+/// Line between two boxes, with the coordinates of its course and of its label.
 #[derive(Clone, Default)]
 pub(super) struct LineLayout {
-    /// Course of the line as SVG path data.
+    /// Course of the line as SVG path data, in SVG units (pixels).
     pub(super) path: String,
-    /// Coordinates at which the label of the line starts.
+    /// Coordinates (x, y) at which the label of the line starts, in SVG units (pixels).
     pub(super) label: (f64, f64),
 }
 
@@ -93,7 +99,7 @@ fn pin(shape: &Shape) -> LayerConstraint {
     }
 }
 
-/// Returns a box with its size; the position is set later.
+/// Returns a box with the size that its texts and its nested scene need. The coordinates x and y are set later.
 fn measured_box(drawing: &Drawing, shape: &Shape) -> BoxLayout {
     let letters = |text: &str| text.chars().count() as f64;
     let width = (TITLE * letters(&shape.title)).max(DETAIL * letters(&shape.detail)) + 20.0;
@@ -120,8 +126,8 @@ fn measured_box(drawing: &Drawing, shape: &Shape) -> BoxLayout {
 }
 
 impl BoxLayout {
-    /// Returns the point at which a line leaves or enters, relative to the corner of the box: the edge of the port if
-    /// there is one, otherwise the middle of the side.
+    /// Returns the point (x, y) at which a line leaves (`leaves` is true) or enters the box, relative to the upper left
+    /// corner of the box. The point is at the port if the line ends at one, else in the middle of the side.
     fn port(&self, end: End, leaves: bool) -> (f64, f64) {
         match (&self.inner, end.port) {
             (Some(inner), Some(port)) => {
@@ -135,7 +141,7 @@ impl BoxLayout {
     }
 }
 
-/// Horizontal extent of a column.
+/// Horizontal extent of a column of boxes, in SVG units (pixels).
 #[derive(Clone, Copy)]
 struct Column {
     x: f64,
@@ -148,12 +154,14 @@ struct Plan<'p> {
     layers: Layers,
     boxes: Vec<BoxLayout>,
     columns: Vec<Column>,
-    /// Upper edge of each box and dummy vertex.
+    /// Upper edge of each box and of each dummy vertex (point of a line between its boxes), in SVG units from the top
+    /// of the drawing.
     tops: Vec<f64>,
 }
 
 impl Plan<'_> {
-    /// Returns the height of a box or dummy vertex, including the space for a loop.
+    /// Returns the height of a box or of a dummy vertex, including the space for a line from the box to itself. `item`
+    /// is the index of the box, or beyond the boxes that of a dummy vertex.
     fn height(&self, item: usize) -> f64 {
         let Some(this) = self.boxes.get(item) else {
             return 4.0;
@@ -162,7 +170,8 @@ impl Plan<'_> {
         this.height + if looped { LOOP } else { 0.0 }
     }
 
-    /// Returns the vertical distance from the upper edge of an item to the point where a line meets it.
+    /// Returns the vertical distance from the upper edge of a box or dummy vertex to the point at which a line leaves
+    /// (`leaves` is true) or enters.
     fn offset(&self, item: usize, end: End, leaves: bool) -> f64 {
         match self.boxes.get(item) {
             Some(this) => this.port(end, leaves).1,
@@ -190,7 +199,8 @@ impl Plan<'_> {
         self.tops.iter_mut().for_each(|y| *y -= top.min(f64::MAX));
     }
 
-    /// Returns the upper edge of an item at which its lines would be straight on average.
+    /// Returns the upper edge of a box or dummy vertex at which its lines would be horizontal on average. `item` is its
+    /// index.
     fn wanted(&self, item: usize) -> f64 {
         let (mut sum, mut count) = (0.0, 0.0);
         for (chain, link) in self.layers.chains.iter().zip(self.links) {
@@ -211,8 +221,8 @@ impl Plan<'_> {
         }
     }
 
-    /// Moves the items of a column as close as possible to the wanted positions without overlap. This is isotonic
-    /// regression by pooling adjacent violators (Ayer et al. 1955).
+    /// Moves the items (boxes and dummy vertices) of a column vertically, as close as possible to the upper edges
+    /// `wanted` without overlap. The algorithm is isotonic regression by pooling adjacent violators (Ayer et al. 1955).
     fn resolve_overlaps(&mut self, column: &[usize], wanted: &[f64]) {
         let mut pools: Vec<(f64, usize)> = Vec::new();
         let mut before = 0.0;
@@ -329,7 +339,8 @@ impl Plan<'_> {
         }
     }
 
-    /// Returns the line of a box to itself: it leaves at the right, passes below the box and enters at the left.
+    /// Returns the line of link `k` from a box to itself: it leaves at the right, passes below the box and enters at
+    /// the left.
     fn around(&self, k: usize) -> LineLayout {
         let link = &self.links[k];
         let (start, end) = (self.point(link.from, true), self.point(link.to, false));
@@ -345,7 +356,8 @@ impl Plan<'_> {
         }
     }
 
-    /// Returns a backward line. It runs below all boxes at the height `lane`.
+    /// Returns the line of link `k`, which runs backwards below all boxes at the height `lane`. `number` counts the
+    /// backward lines and shifts their vertical parts, so that they do not coincide.
     fn backwards(&self, k: usize, lane: f64, number: u32) -> LineLayout {
         let link = &self.links[k];
         let (start, end) = (self.point(link.from, true), self.point(link.to, false));
@@ -365,7 +377,7 @@ impl Plan<'_> {
     }
 }
 
-/// Appends a curve that is horizontal at both ends.
+/// Appends a Bezier curve to the path data of a line. The curve is horizontal at both ends.
 fn bend(path: &mut String, from: (f64, f64), to: (f64, f64)) {
     let middle = (from.0 + to.0) / 2.0;
     let _ = write!(

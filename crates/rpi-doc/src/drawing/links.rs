@@ -5,17 +5,18 @@ use std::collections::BTreeMap;
 use super::reads::{Read, Source};
 use super::scene::{BoxId, Drawing, End, Link, Role, SceneId, Shape, ShapeId};
 
-/// Definitions and reads of flows, collected while a scene is built.
+/// Definitions and reads of flows in a drawing, collected while the boxes are created. The lines follow from them.
 #[derive(Default)]
 pub(super) struct DefUse {
     definitions: BTreeMap<Source, Vec<BoxId>>,
     reads: Vec<(BoxId, Read)>,
-    /// Ports at borders, by scene, flow and direction (true for inwards).
+    /// Ports at the borders of boxes that contain a scene: by inner scene, flow, and direction (true for a flow that
+    /// enters).
     ports: BTreeMap<(SceneId, Source, bool), ShapeId>,
 }
 
 impl DefUse {
-    /// Records a definition of a flow.
+    /// Records that the box `place` defines the flow `key`.
     pub(super) fn defines(&mut self, place: BoxId, key: Source) {
         let all = self.definitions.entry(key).or_default();
         if !all.contains(&place) {
@@ -23,13 +24,13 @@ impl DefUse {
         }
     }
 
-    /// Records reads at a box.
+    /// Records that the box `place` reads values.
     pub(super) fn reads(&mut self, place: BoxId, reads: impl IntoIterator<Item = Read>) {
         self.reads
             .extend(reads.into_iter().map(|read| (place, read)));
     }
 
-    /// Returns the distinct keys that are read but not defined.
+    /// Returns the flows and device ports that are read but not defined, each only once.
     pub(super) fn undefined(&self) -> Vec<Source> {
         let mut keys: Vec<Source> = Vec::new();
         for (_, read) in &self.reads {
@@ -40,7 +41,8 @@ impl DefUse {
         keys
     }
 
-    /// Draws all lines. `name` returns the text at a port.
+    /// Draws a line from each definition of a flow to each of its readers. `name` returns the text at a port for the
+    /// flow.
     pub(super) fn draw(mut self, drawing: &mut Drawing, name: &dyn Fn(&Source) -> String) {
         for (reader, read) in std::mem::take(&mut self.reads) {
             for definer in self.definitions.get(&read.key).cloned().unwrap_or_default() {

@@ -29,26 +29,29 @@ use rpi_syntax::ast::{Item, ItemKind, NodeDef};
 use crate::declaration::PageContext;
 use scene::Drawing;
 
-/// Number of boxes above which a drawing is collapsed initially.
+/// Maximum number of boxes of a drawing that a page shows at once. A larger drawing is collapsed until the reader opens
+/// it.
 const MAX_OPEN_BOXES: usize = 28;
-/// Number of boxes above which there is no drawing.
+/// Maximum number of boxes of a drawing. A larger declaration has no drawing, because it would be unreadable.
 const MAX_BOXES: usize = 400;
 
 /// Drawing of the net of one declaration, or of the steps of a task.
 pub(crate) struct DeclarationDrawing {
     drawing: Drawing,
-    /// Whether the drawing is small enough to be shown initially.
+    /// True if the drawing is small enough for a page to show it at once.
     pub(crate) is_small: bool,
 }
 
 impl DeclarationDrawing {
-    /// Returns the drawing as SVG; `id` is a prefix for the ids in it.
+    /// Returns the drawing as an SVG element. `id` is the prefix of all HTML ids in it, and `title` its accessible
+    /// title.
     pub(crate) fn svg(&self, id: &str, title: &str) -> String {
         svg::svg(&self.drawing, id, title)
     }
 }
 
-/// Returns the drawing of a declaration with more than one equation or step; `None` for smaller or too large ones.
+/// Returns the drawing of a node, fragment, command or task with more than one equation or step. Returns `None` for
+/// other declarations, for smaller ones and for those with too many boxes.
 pub(crate) fn draw_declaration(
     shown: &PageContext<'_>,
     id: DefId,

@@ -5,27 +5,28 @@ use rpi_sema::query::{DefId, DefKind, Reference};
 use rpi_syntax::ast::{Callee, Expr, ExprKind, StaticValue};
 use rpi_syntax::ops::{BinaryOp, UnaryOp};
 
-/// Predeclared flows for which a line is drawn: those that others set while the command runs.
+/// Names of the predeclared flows for which a line is drawn: those whose value depends on other commands and on
+/// clients.
 const DRAWN_PREDECLARED: &[&str] = &["cancel", "takeover", "predecessor"];
 
 /// Source of a value that an expression reads: a flow, a device port or a predeclared flow.
 #[derive(Clone, PartialEq, Eq, PartialOrd, Ord, Debug)]
 pub(super) enum Source {
-    /// Flow defined in the body of the declaration.
+    /// Flow that the body defines or that enters the declaration, by its definition.
     Flow(DefId),
-    /// Port of a device: the definition of the device and that of its port.
+    /// Port of a device: the definition of the device, and the definition of the port.
     Port(DefId, DefId),
     /// Predeclared flow, such as `cancel`, by its name.
     Predeclared(String),
 }
 
-/// Use of a value by an expression: the flow or port that it reads, and whether the value may be old or absent.
+/// Use of a value by an expression: the source of the value, and whether the value may be old or absent.
 #[derive(Clone, PartialEq, Eq, Debug)]
 pub(super) struct Read {
     pub(super) key: Source,
-    /// Whether the value of the previous cycle is read.
+    /// True if the value of an earlier cycle is read, as by `pre`.
     pub(super) delayed: bool,
-    /// Whether the value may be absent.
+    /// True if the value may be absent in a cycle.
     pub(super) optional: bool,
 }
 
@@ -71,7 +72,7 @@ fn collect_reads(seen: &Inspection, expr: &Expr, delayed: bool, found: &mut Vec<
     }
 }
 
-/// Adds the parameters of the command that occur in the static arguments of a call to the list of uses.
+/// Adds the reads in the static arguments of a call, such as parameters of the command, to `found`.
 fn statics(seen: &Inspection, callee: &Callee, found: &mut Vec<Read>) {
     for argument in &callee.statics {
         match &argument.value {
@@ -82,7 +83,7 @@ fn statics(seen: &Inspection, callee: &Callee, found: &mut Vec<Read>) {
     }
 }
 
-/// Returns whether an expression is a path such as `x` or `F.way.done`.
+/// Returns whether an expression is only a path of names, such as `x` or `F.way.done`.
 fn is_path(expr: &Expr) -> bool {
     match &expr.kind {
         ExprKind::Name(_) => true,
@@ -109,7 +110,8 @@ fn predeclared(path: &Expr) -> Option<Source> {
         .then(|| Source::Predeclared(name.to_string()))
 }
 
-/// Returns the flow or device port that a path such as `F.way.done` denotes: the innermost flow in it, or the port.
+/// Returns the flow or device port that a path such as `F.way.done` denotes: the last flow of the same declaration in
+/// the path, or the port. `names` are the resolved names of the path. Returns `None` if the path denotes neither.
 pub(super) fn key(seen: &Inspection, names: &[Reference]) -> Option<Source> {
     use DefKind::{Input, Local, Output, Param, Port, TakenOver};
     let kind = |name: &Reference| seen.index().def(name.def).kind;
@@ -133,7 +135,7 @@ pub(super) fn key(seen: &Inspection, names: &[Reference]) -> Option<Source> {
     flows.last().map(|name| Source::Flow(name.def))
 }
 
-/// Returns the top-level declaration that contains a definition.
+/// Returns the top-level declaration that contains a definition; the definition itself if it is at the top level.
 pub(super) fn enclosing_declaration(seen: &Inspection, id: DefId) -> DefId {
     let parent = |id: &DefId| {
         let parent = seen.index().def(*id).parent?;

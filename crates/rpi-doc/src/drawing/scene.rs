@@ -1,23 +1,23 @@
 //! Data model of a drawing: boxes, which may contain scenes, and lines between them.
 
-/// Index of a scene in a drawing.
+/// Index of a scene (the boxes of one nesting level) in [`Drawing::scenes`].
 pub(super) type SceneId = usize;
-/// Index of a box in its scene.
+/// Index of a box in [`Scene::shapes`].
 pub(super) type ShapeId = usize;
 
-/// Box, identified by its scene and its index there.
+/// Box of a drawing, identified by the index of its scene and the index of the box in the scene.
 pub(super) type BoxId = (SceneId, ShapeId);
 
-/// All scenes of a drawing; the first is the outermost.
+/// All scenes of a drawing. The first one is the outermost; the others are within a box.
 #[derive(Default)]
 pub(super) struct Drawing {
     pub(super) scenes: Vec<Scene>,
 }
 
-/// Boxes on one level, and the lines between them.
+/// Scene: the boxes of one nesting level, and the lines between them.
 #[derive(Default)]
 pub(super) struct Scene {
-    /// Box that contains the scene.
+    /// Box that contains the scene; `None` for the outermost scene.
     pub(super) parent: Option<BoxId>,
     pub(super) shapes: Vec<Shape>,
     pub(super) links: Vec<Link>,
@@ -26,30 +26,30 @@ pub(super) struct Scene {
 /// Kind of a box, which decides its shape and colour.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub(super) enum Role {
-    /// Flow that enters the declaration, such as an in-port.
+    /// Flow that enters a declaration or a box from outside, such as an in-port.
     Input,
-    /// Flow of an inner block that is read outside of it.
+    /// Flow of an inner block that is read outside of the block.
     Output,
-    /// Box of an equation that is not a call.
+    /// Equation that defines a flow of the body.
     Equation,
-    /// Equation that defines an out-port or actuator.
+    /// Equation that defines an out-port or drives an actuator.
     OutputEquation,
-    /// Result or export of a command.
+    /// Result or exported flow of a command.
     Result,
-    /// Box of a fragment, which contains the boxes of its body.
+    /// Fragment, with the boxes of its body inside.
     Fragment,
-    /// Box of an automaton with its states.
+    /// Automaton, with the boxes of its states inside.
     Automaton,
-    /// State of an automaton.
+    /// State of an automaton, with the boxes of its body inside.
     State,
-    /// Step of a task.
+    /// Step of a task, which runs a command.
     Step,
     /// Dot that marks the start or the end of a task.
     Dot,
 }
 
 impl Role {
-    /// Returns the CSS class of the role.
+    /// Returns the CSS class of a box with this role.
     pub(super) fn class(self) -> &'static str {
         match self {
             Role::Input => "input",
@@ -69,20 +69,20 @@ impl Role {
 /// Box of a drawing, before the layout gives it coordinates.
 pub(super) struct Shape {
     pub(super) role: Role,
-    /// First line of text, emphasised.
+    /// First line of text in the box, emphasised.
     pub(super) title: String,
-    /// Second line of text.
+    /// Second line of text in the box; empty if there is none.
     pub(super) detail: String,
-    /// Full text, shown as a tooltip.
+    /// Full text that a tooltip shows; empty for no tooltip.
     pub(super) tooltip: String,
-    /// Link to further documentation.
+    /// Address to which the title is linked, such as that of the called declaration; `None` for no link.
     pub(super) href: Option<String>,
-    /// Scene drawn inside the box, if it contains other boxes.
+    /// Scene inside the box; `None` if the box contains no other boxes.
     pub(super) inner: Option<SceneId>,
 }
 
 impl Shape {
-    /// Creates a box with one line of text.
+    /// Creates a box whose only text is a title.
     pub(super) fn new(role: Role, title: impl Into<String>) -> Shape {
         Shape {
             role,
@@ -95,28 +95,31 @@ impl Shape {
     }
 }
 
-/// End of a line: a box, and if the box has a nested scene, a port, which is a box of that scene.
+/// End of a line: a box, and the port at which the line passes through the border of the box. A port is a box of the
+/// scene inside; `None` if the line ends at the box itself.
 #[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Debug)]
 pub(super) struct End {
     pub(super) shape: ShapeId,
     pub(super) port: Option<ShapeId>,
 }
 
-/// Line from the box that computes a value to a box that reads it.
+/// Line of a drawing: from the box that computes a value to a box that reads it, or from a step or state to the next
+/// one.
 #[derive(Clone, PartialEq, Eq, PartialOrd, Ord, Debug)]
 pub(super) struct Link {
     pub(super) from: End,
     pub(super) to: End,
-    /// Whether the value of the previous cycle is read.
+    /// True if the value of an earlier cycle is read; for a transition, true if it leads to the same or an earlier
+    /// state.
     pub(super) delayed: bool,
-    /// Whether the value may be absent.
+    /// True if the value may be absent in a cycle.
     pub(super) optional: bool,
-    /// Text at the line.
+    /// Text at the line, such as the condition of a transition; empty for none.
     pub(super) label: String,
 }
 
 impl Drawing {
-    /// Adds a scene inside a box, or the outermost one.
+    /// Adds an empty scene inside the box `parent`, or the outermost scene if `parent` is `None`. Returns its index.
     pub(super) fn scene(&mut self, parent: Option<BoxId>) -> SceneId {
         let id = self.scenes.len();
         self.scenes.push(Scene {
@@ -129,13 +132,13 @@ impl Drawing {
         id
     }
 
-    /// Adds a box and returns its identifier.
+    /// Adds a box to a scene and returns its identifier.
     pub(super) fn shape(&mut self, scene: SceneId, shape: Shape) -> BoxId {
         self.scenes[scene].shapes.push(shape);
         (scene, self.scenes[scene].shapes.len() - 1)
     }
 
-    /// Adds a line unless an equal one exists.
+    /// Adds a line to a scene, unless the scene has an equal line.
     pub(super) fn link(&mut self, scene: SceneId, link: Link) {
         let links = &mut self.scenes[scene].links;
         if !links.contains(&link) {
@@ -143,19 +146,20 @@ impl Drawing {
         }
     }
 
-    /// Returns the number of boxes.
+    /// Returns the number of boxes in all scenes.
     pub(super) fn boxes(&self) -> usize {
         self.scenes.iter().map(|scene| scene.shapes.len()).sum()
     }
 
-    /// Returns the number of boxes that are not inputs, outputs or dots.
+    /// Returns the number of boxes that stand for equations, results, blocks and steps: all except inputs, outputs and
+    /// dots.
     pub(super) fn steps(&self) -> usize {
         let all = self.scenes.iter().flat_map(|scene| &scene.shapes);
         all.filter(|shape| !matches!(shape.role, Role::Input | Role::Output | Role::Dot))
             .count()
     }
 
-    /// Returns the enclosing boxes of a box, outermost first, followed by the box itself.
+    /// Returns the boxes around a box from the outermost to the innermost, followed by the box itself.
     pub(super) fn enclosing(&self, place: BoxId) -> Vec<BoxId> {
         let mut all: Vec<BoxId> =
             std::iter::successors(Some(place), |(scene, _)| self.scenes[*scene].parent).collect();

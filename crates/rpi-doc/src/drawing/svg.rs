@@ -6,10 +6,11 @@ use super::layout::{BoxLayout, LineLayout, SceneLayout, lay_out};
 use super::scene::{Drawing, Link, Role, SceneId, Shape};
 use crate::html::escape;
 
-/// Margin around the drawing.
+/// Empty space on all four sides of the drawing, in SVG units.
 const MARGIN: f64 = 14.0;
 
-/// Returns a drawing as an HTML element. `id` is a prefix for the ids in it, and `title` its accessible title.
+/// Returns a drawing as an SVG element with a legend. `id` is the prefix of all HTML ids in it, and `title` its
+/// accessible title.
 pub(super) fn svg(drawing: &Drawing, id: &str, title: &str) -> String {
     let laid = lay_out(drawing, 0);
     let (width, height) = (laid.width + 2.0 * MARGIN, laid.height + 2.0 * MARGIN);
@@ -31,7 +32,7 @@ pub(super) fn svg(drawing: &Drawing, id: &str, title: &str) -> String {
     out
 }
 
-/// Returns the legend of the line styles that occur in the drawing.
+/// Returns the legend of the line styles that occur in the drawing, in HTML; empty if all lines are plain.
 fn legend(drawing: &Drawing) -> String {
     let links = || drawing.scenes.iter().flat_map(|scene| &scene.links);
     let lines = || links().filter(|link| link.label.is_empty());
@@ -71,7 +72,7 @@ impl Picture<'_> {
         self.out.push_str("</g>\n");
     }
 
-    /// Draws the line of a link and its label.
+    /// Draws the line and the label of a link between two boxes.
     fn line(&mut self, scene: SceneId, link: &Link, line: &LineLayout) {
         let _ = writeln!(
             self.out,
@@ -90,7 +91,8 @@ impl Picture<'_> {
         }
     }
 
-    /// Returns the arrow head of a line. A line that continues through a port has none.
+    /// Returns the SVG attribute for the arrow head of a line; empty for a line that ends at a port, because it
+    /// continues on the other side.
     fn arrow(&self, scene: SceneId, link: &Link) -> String {
         let shape = &self.drawing.scenes[scene].shapes[link.to.shape];
         match shape.role == Role::Output || link.to.port.is_some() {

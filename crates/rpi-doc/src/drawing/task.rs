@@ -8,7 +8,7 @@ use super::scene::{Drawing, End, Link, Role, SceneId, Shape, ShapeId};
 use crate::declaration::PageContext;
 use crate::members::one_line;
 
-/// Returns the drawing of the steps of a task, in their order of execution.
+/// Returns the drawing of a task: a box for each step, and a line for each result to the step that follows it.
 pub(super) fn drawing(shown: &PageContext<'_>, _id: DefId, task: &TaskDecl) -> Drawing {
     let mut drawing = Drawing::default();
     let root = drawing.scene(None);
@@ -16,7 +16,7 @@ pub(super) fn drawing(shown: &PageContext<'_>, _id: DefId, task: &TaskDecl) -> D
     drawing
 }
 
-/// Step of a task with its box, from which and to which lines are drawn.
+/// Step of a task with its box in the drawing.
 struct StepBox<'s> {
     run: Option<&'s Run>,
     shape: ShapeId,

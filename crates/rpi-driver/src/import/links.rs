@@ -2,7 +2,7 @@
 
 use rpi_net::{Activation, FragmentId, Input, Net, PortRef, Restart, Termination};
 
-/// Calls `f` with each link of a net and the fragment of its reader.
+/// Calls `f` with each link of a net: the port that is read, which `f` may replace, and the fragment of its reader.
 pub(super) fn for_each_link(net: &mut Net, f: &mut impl FnMut(&mut PortRef, FragmentId)) {
     for node in &mut net.nodes {
         let at = node.fragment;

@@ -17,16 +17,17 @@ use rpi_prims::{PrimId, registry};
 
 use super::links;
 
-/// Net in which each actuator port has one writer: several writers of the imported net are merged into a selection.
+/// Imported net in which each actuator port has one writer: several writers of the original net are merged into one
+/// that takes the first present value.
 pub(super) struct MergedNet {
     pub(super) net: Net,
     /// For each node of the merged net the corresponding node of the original net; `None` for a new node.
     pub(super) original: Vec<Option<NodeId>>,
-    /// Nodes added by the merge, which only select the value that a merged writer gets.
+    /// Nodes that were added by the merge and select the first present value of several writers.
     pub(super) selectors: BTreeSet<NodeId>,
 }
 
-/// Nodes that write the same actuator port and may be active in the same cycle.
+/// Nodes that write the same actuator port and may be active in the same cycle, with the flows that they write.
 struct WriterGroup {
     resource: Resource,
     writers: Vec<NodeId>,
@@ -34,8 +35,8 @@ struct WriterGroup {
     values: Vec<PortRef>,
 }
 
-/// Returns the net with its writers merged where this is necessary and possible. If merging all groups causes a
-/// dependency cycle, only the groups that can be merged alone are merged.
+/// Returns the net with its writers merged where several may write an actuator in the same cycle and merging is
+/// possible. If merging all groups causes a dependency cycle, only the groups that can be merged alone are merged.
 pub(super) fn merge_writers(net: &Net) -> MergedNet {
     let Ok(analysis) = analyse(net.clone(), |_| false) else {
         return unchanged(net);
@@ -80,7 +81,8 @@ fn groups(analysis: &Analysis) -> Vec<WriterGroup> {
         .collect()
 }
 
-/// Returns the writers as a group, or `None` if they differ in more than the written flow.
+/// Returns the writers of an actuator port as a group; `None` if they differ in more than the written flow, or do not
+/// write a flow of a scalar type.
 fn group(net: &Net, resource: &Resource, writers: &[NodeId]) -> Option<WriterGroup> {
     let first = net.node(*writers.first()?);
     let [port] = first.desc().inputs else {
@@ -136,7 +138,7 @@ fn merge(net: &Net, tree: &FragmentTree, groups: &[WriterGroup]) -> MergedNet {
 struct Merger {
     net: Net,
     choices: BTreeSet<NodeId>,
-    /// New source for each response port of a replaced writer.
+    /// New source for each response port of a replaced writer (such as an error code), from which its readers read.
     answers: BTreeMap<PortRef, PortRef>,
 }
 
@@ -168,7 +170,8 @@ impl Merger {
         Some(())
     }
 
-    /// Adds nodes that select the first present value and returns their output.
+    /// Adds nodes to the fragment `at` that select the first present value of a group of writers, and returns their
+    /// output.
     fn select_first(&mut self, group: &WriterGroup, at: FragmentId) -> Option<PortRef> {
         let coalesce = primitive_for("Coalesce", group.scalar)?;
         let mut values = group.values.iter().rev();
@@ -181,8 +184,8 @@ impl Merger {
         Some(chosen)
     }
 
-    /// Replaces the responses to one writer: those of the merged writer, present in the cycles in which the value of
-    /// the original writer is present.
+    /// Replaces the responses to one writer by those of the merged writer `common`. They are present in the cycles in
+    /// which the value of the original writer is present. Returns `None` if a primitive for this is missing.
     fn redirect_responses(
         &mut self,
         writer: NodeId,
@@ -253,7 +256,7 @@ impl Merger {
     }
 }
 
-/// Returns the primitive of an operation for values of a type.
+/// Returns the primitive with a name that ends in `operation` for values of a scalar type; `None` if there is none.
 fn primitive_for(operation: &str, scalar: Scalar) -> Option<PrimId> {
     let takes = |port: &rpi_image::InPort| port.ty == PortType::Scalar(scalar);
     let mut prims = registry().iter();
@@ -263,7 +266,8 @@ fn primitive_for(operation: &str, scalar: Scalar) -> Option<PrimId> {
     PrimId::from_name(prim.desc.name)
 }
 
-/// Removes nodes that nothing reads.
+/// Removes the nodes `dead`, which nothing reads any more, and renumbers the others. `choices` are the nodes that
+/// select the first present value.
 fn remove_nodes(mut net: Net, dead: &BTreeSet<NodeId>, choices: BTreeSet<NodeId>) -> MergedNet {
     let kept: Vec<NodeId> = net.node_ids().filter(|id| !dead.contains(id)).collect();
     let mut now = vec![NodeId(u32::MAX); net.nodes.len()];

@@ -26,22 +26,22 @@ use rpi_syntax::Dialect;
 use merge::MergedNet;
 use names::Names;
 
-/// Program made from a net.
+/// Program that was made from a net, with the names of the net's nodes in the program.
 #[derive(Clone, PartialEq, Eq, Debug)]
 pub struct ImportedProgram {
-    /// Text of the program, one command.
+    /// Text of the program, which has one command.
     pub text: String,
-    /// For each named node its path in the net and its path in the compiled program.
+    /// For each named node, its path in the net and its path in the compiled program.
     pub names: Vec<(String, String)>,
 }
 
-/// Converts a net to a program of one command.
+/// Converts a net to the text of a program with one command.
 #[must_use]
 pub fn to_program(net: &Net) -> String {
     import(net).text
 }
 
-/// Converts a net to a program of one command, and returns the mapping of names.
+/// Converts a net to a program with one command, and returns also the names of the net's nodes in the program.
 #[must_use]
 pub fn import(net: &Net) -> ImportedProgram {
     let merged = merge::merge_writers(net);
@@ -53,16 +53,17 @@ pub fn import(net: &Net) -> ImportedProgram {
     }
 }
 
-/// Writer of the program for one net.
+/// Writer of the program text for one net.
 struct Writer<'n> {
     net: &'n Net,
     tree: FragmentTree,
     names: Names,
-    /// Presence of flows, if the passes succeeded.
+    /// Presence of the net's flows in each cycle; `None` if the compiler passes reported an error.
     presences: Option<Presences>,
     /// Constant nodes that become literals within the expressions that read them, without equations of their own.
     constants: BTreeSet<NodeId>,
-    /// Selecting nodes that become operands of the expressions that read them, without equations of their own.
+    /// Nodes that select the first present value of merged writers. They become operands of the expressions that read
+    /// them, without equations of their own.
     choices: &'n BTreeSet<NodeId>,
 }
 
@@ -98,7 +99,7 @@ impl<'n> Writer<'n> {
         format!("{head}command {} ()\n{body}{ends}tel\n", self.names.command)
     }
 
-    /// Returns the declarations, `let` and the equations of a fragment.
+    /// Returns the declarations, the keyword `let` and the equations of a fragment as program text.
     fn body(&self, fragment: FragmentId) -> String {
         let mut declared = String::new();
         let mut equations = String::new();
@@ -142,7 +143,8 @@ impl<'n> Writer<'n> {
         format!("\nfragment {name} {when}\n{body}tel\n")
     }
 
-    /// Returns the expression for a flow as read from a fragment, with `?? absent` if the flow may be absent there.
+    /// Returns the expression for a flow as read from the fragment `at`. It ends with `?? absent` if the flow may be
+    /// absent there.
     fn total(&self, port: PortRef, at: FragmentId, absent: &str) -> String {
         let flow = self.flow(port, at);
         let is_total = self.presences.as_ref().is_some_and(|presences| {
@@ -155,12 +157,13 @@ impl<'n> Writer<'n> {
         }
     }
 
-    /// Returns whether a node has no equation because its expression is written where it is read.
+    /// Returns whether a node has no equation because its expression is written where the node is read.
     fn is_inlined(&self, id: NodeId) -> bool {
         self.constants.contains(&id) || self.choices.contains(&id)
     }
 
-    /// Returns the old and new paths of the named nodes of the original net.
+    /// Returns the old and new paths of the named nodes of the original net. `old` has for each node of the merged net
+    /// that of the original one.
     fn renamed(&self, original: &Net, old: &[Option<NodeId>]) -> Vec<(String, String)> {
         let named = self.net.node_ids().filter(|id| !self.is_inlined(*id));
         let both = named.filter_map(|id| Some((old[id.index()]?, id)));
@@ -177,7 +180,7 @@ impl<'n> Writer<'n> {
         parts.join("/")
     }
 
-    /// Returns the names of a fragment and its enclosing fragments, outermost first.
+    /// Returns the names in the program of a fragment and its enclosing fragments, outermost first.
     fn fragment_path(&self, id: FragmentId) -> Vec<&str> {
         let mut parts: Vec<&str> = self
             .net
@@ -209,7 +212,7 @@ fn unused(net: &Net) -> BTreeSet<NodeId> {
     unused
 }
 
-/// Marks a node and all nodes that it reads, directly or indirectly.
+/// Marks a node and all nodes that it reads, directly or indirectly, by their indices in `marked`.
 fn mark_sources(net: &Net, id: NodeId, marked: &mut [bool]) {
     let mut open = vec![id];
     while let Some(id) = open.pop() {

@@ -5,7 +5,8 @@ use std::collections::BTreeSet;
 use rpi_net::{FragmentId, Net, NodeId};
 use rpi_syntax::{Dialect, KEYWORDS, is_name};
 
-/// Names that imported flows must not get: predeclared names, and names that this importer declares.
+/// Names that imported flows must not get: predeclared names of the language, and names that the importer itself
+/// declares.
 const TAKEN: &[&str] = &[
     "cancel",
     "dt",
@@ -19,7 +20,7 @@ const TAKEN: &[&str] = &[
     "_",
 ];
 
-/// Names in the program of all nodes and fragments of a net.
+/// Names in the imported program of the command and of all nodes and fragments of the net.
 pub(super) struct Names {
     pub(super) command: String,
     fragments: Vec<String>,
@@ -27,7 +28,8 @@ pub(super) struct Names {
 }
 
 impl Names {
-    /// Assigns names to all items of a net. Names of `unused` nodes get a leading `_`.
+    /// Assigns names to all nodes and fragments of a net. Names of `unused` nodes get a leading `_`, so that the
+    /// compiler does not warn about them.
     pub(super) fn new(net: &Net, unused: &BTreeSet<NodeId>) -> Self {
         let mut taken: BTreeSet<String> = TAKEN.iter().map(|name| (*name).to_owned()).collect();
         taken.extend(KEYWORDS.iter().map(|word| word.text.to_owned()));
@@ -60,8 +62,8 @@ impl Names {
     }
 }
 
-/// Returns the name itself, or a unique valid name derived from it: invalid characters are replaced, `prefix` is put
-/// before a digit, and a number is appended.
+/// Returns the name itself, or a valid name derived from it that is not in `taken`: invalid characters are replaced,
+/// `prefix` is put before a digit, and a number is appended. The result is added to `taken`.
 fn unique(name: &str, prefix: &str, taken: &mut BTreeSet<String>) -> String {
     let plain = identifier(name, prefix);
     let numbered = (2..).map(|n| format!("{plain}_{n}"));

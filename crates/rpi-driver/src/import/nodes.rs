@@ -6,8 +6,8 @@ use rpi_net::{FragmentId, Input, Node, NodeId, PortRef};
 use super::{Writer, operators, values};
 
 impl Writer<'_> {
-    /// Returns the type declaration of a delay. It is required if the delay is part of a dependency cycle, because the
-    /// type cannot be inferred there.
+    /// Returns the type declaration of a node that is a delay, `None` for other nodes. A delay in a dependency cycle
+    /// needs a declaration, because the type cannot be inferred there.
     pub(super) fn declaration(&self, id: NodeId) -> Option<String> {
         let node = self.net.node(id);
         let [ty] = node.outputs[..] else { return None };
@@ -25,7 +25,7 @@ impl Writer<'_> {
         format!("{name} = {value};{own}\n")
     }
 
-    /// Returns the expression that computes a node, as written in its fragment.
+    /// Returns the expression that computes the value of a node, as read in its own fragment.
     fn value(&self, node: &Node) -> String {
         let operator = self.operands(node);
         let operator =
@@ -33,8 +33,9 @@ impl Writer<'_> {
         operator.unwrap_or_else(|| self.call(node))
     }
 
-    /// Returns the sources of all in-ports if they can be operands. A selection with a constant condition or constant
-    /// branches is not written as an operator, because the compiler would fold it.
+    /// Returns the sources of all in-ports as expressions, so that the node can be written as an operator; `None` if an
+    /// in-port has no source. Returns `None` also for a selection with a constant condition or constant branches, which
+    /// the compiler would fold.
     fn operands(&self, node: &Node) -> Option<Vec<String>> {
         let is_flow = |input: &Input| self.constant(input).is_none();
         if let [condition, branches @ ..] = &node.inputs[..]
@@ -50,7 +51,8 @@ impl Writer<'_> {
         })
     }
 
-    /// Returns the constant that an in-port reads, directly or from a constant node.
+    /// Returns the constant that an in-port reads, directly or from a constant node without an equation; `None` if the
+    /// in-port reads no constant.
     pub(super) fn constant<'v>(&'v self, input: &'v Input) -> Option<&'v Value> {
         match input {
             Input::Unconnected => None,
@@ -87,7 +89,7 @@ impl Writer<'_> {
         given.collect::<Vec<String>>().join(", ")
     }
 
-    /// Returns the source of an in-port as an expression in a fragment.
+    /// Returns the source of an in-port as an expression in the fragment `at`; `None` if the in-port is not connected.
     pub(super) fn source(&self, input: &Input, at: FragmentId) -> Option<String> {
         match (self.constant(input), input) {
             (Some(value), _) => Some(values::value(value)),
@@ -96,7 +98,8 @@ impl Writer<'_> {
         }
     }
 
-    /// Returns the name of a port as seen from a fragment.
+    /// Returns the expression by which the fragment `at` reads an out-port: a name with the path to it, a literal or a
+    /// selection.
     pub(super) fn flow(&self, port: PortRef, at: FragmentId) -> String {
         if let Some(value) = self.constant(&Input::Port(port)) {
             return values::value(value);
@@ -120,7 +123,7 @@ impl Writer<'_> {
     }
 }
 
-/// Returns whether a node delays its input by a cycle.
+/// Returns whether a node is a delay: its output depends on its input in an earlier cycle.
 pub(super) fn is_delay(node: &Node) -> bool {
     matches!(node.desc().role, Role::Delay)
 }
@@ -130,7 +133,7 @@ fn is_default(default: PortDefault, value: &Value) -> bool {
     default.value(ty).as_ref() == Some(value)
 }
 
-/// Returns whether a constant equals the default of the in-port, so that it can be omitted.
+/// Returns whether the constant at an in-port equals the default of the in-port, so that the argument can be omitted.
 fn is_port_default(need: Fallback, ty: PortType, input: &Input) -> bool {
     let Input::Const(value) = input else {
         return false;

@@ -1,6 +1,6 @@
 //! Primitives that are written as operators: those to which the compiler translates the operator, operand by operand.
 
-/// Infix operators by primitive; the in-ports are the left and right operand.
+/// Infix operators by the primitive to which the compiler translates them. The in-ports are the left and right operand.
 const INFIX: &[(&str, &str)] = &[
     ("Core::BooleanAnd", "and"),
     ("Core::BooleanOr", "or"),
@@ -13,13 +13,14 @@ const INFIX: &[(&str, &str)] = &[
     ("Core::DoubleGreater", ">"),
 ];
 
-/// Prefix operators by primitive.
+/// Prefix operators by the primitive to which the compiler translates them.
 const PREFIX: &[(&str, &str)] = &[("Core::BooleanNot", "not")];
 
-/// Predeclared functions by primitive.
+/// Predeclared functions of one argument by the primitive to which the compiler translates them.
 const CALLS: &[(&str, &str)] = &[("Core::DoubleSquareRoot", "sqrt")];
 
-/// Tests for the absence of scalar values. The tests for arrays are different primitives.
+/// Primitives that test a scalar value for absence, written as `not present(x)`. The tests for arrays are different
+/// primitives.
 const ABSENT: &[&str] = &[
     "Core::BooleanIsNull",
     "Core::IntIsNull",
@@ -30,7 +31,7 @@ const ABSENT: &[&str] = &[
     "World::TwistIsNull",
 ];
 
-/// Selections by primitive; the in-ports are the condition and the two branches.
+/// Primitives that select one of two values, written as `if`. The in-ports are the condition and the two branches.
 const CHOICE: &[&str] = &[
     "Core::BooleanConditional",
     "Core::IntConditional",
@@ -41,7 +42,8 @@ const CHOICE: &[&str] = &[
     "World::TwistConditional",
 ];
 
-/// Returns the expression for a primitive with these operands, if it can be written as an operator.
+/// Returns the expression for a primitive with these operands as an operator; `None` if the primitive must be written
+/// as a call.
 pub(super) fn operator_expr(prim: &str, operands: &[String]) -> Option<String> {
     let of =
         |table: &[(&str, &'static str)]| table.iter().find(|row| row.0 == prim).map(|row| row.1);
@@ -58,7 +60,8 @@ pub(super) fn operator_expr(prim: &str, operands: &[String]) -> Option<String> {
     }
 }
 
-/// Puts a negative number in parentheses, because some operators bind more tightly than the sign.
+/// Returns an operand as text, in parentheses if it is a negative number, because some operators bind more tightly than
+/// the sign.
 fn operand(text: &str) -> String {
     match text.starts_with('-') {
         true => format!("({text})"),

@@ -11,7 +11,8 @@ enum Visit {
     Done,
 }
 
-/// Returns the nodes directly in a fragment, each after the nodes that it reads. Delays do not count as readers.
+/// Returns the nodes directly in a fragment in an order in which each follows the nodes that it reads. A delay does not
+/// count as a reader of its input.
 pub(super) fn topological_order(net: &Net, fragment: FragmentId) -> Vec<NodeId> {
     let mut visits = vec![Visit::Open; net.nodes.len()];
     let mut order = Vec::new();

@@ -4,11 +4,11 @@ use rpi_net::{FragmentId, Input, ResultKind, Termination};
 
 use super::{Writer, values};
 
-/// Condition for a net without an own end. Such a net is stopped by its host, which observes its values.
+/// Expression for the end of a net that does not end by itself: an input named `stop`, which the host sets.
 const STOP: &str = "Core::BooleanNetcommIn<<Key: \"stop\", Value: false>>().outValue";
 
 impl Writer<'_> {
-    /// Returns the last lines of the command: exports and results.
+    /// Returns the last lines of the imported command: its exports and its results.
     pub(super) fn results(&self) -> String {
         let mut text = String::from("\n");
         for export in &self.net.exports {
@@ -30,8 +30,8 @@ impl Writer<'_> {
         text
     }
 
-    /// Returns the lines for a net with ports: it ends when `outTerminate` is true, with an error if `outFail` is then
-    /// not 0. `outFail` is exported to stay observable.
+    /// Returns the lines about the end of a net that ends by ports: it ends when `outTerminate` is true, with an error
+    /// if `outFail` is then not 0. `outFail` is exported, so that clients can observe it.
     fn ports(&self, terminate: Option<&Input>, fail: Option<&Input>) -> String {
         let mut text = String::new();
         let is_false = |input: &&Input| {
@@ -52,8 +52,8 @@ impl Writer<'_> {
         text
     }
 
-    /// Returns the expression for a flow as read in the root fragment of a net, with the value `absent` where the flow
-    /// is absent.
+    /// Returns the expression for an input of the root fragment of a net, with the value `absent` where the flow is
+    /// absent.
     fn root(&self, input: &Input, absent: &str) -> String {
         match input {
             Input::Unconnected => absent.to_owned(),

@@ -2,7 +2,7 @@
 
 use rpi_image::{Scalar, Type, Value};
 
-/// Returns the expression of a constant in an RPI program.
+/// Returns the expression for a constant in the language RPI.
 pub(super) fn value(value: &Value) -> String {
     match value {
         Value::Str(text) => quoted(text),
@@ -45,8 +45,8 @@ fn scalar_value(scalar: Scalar, cells: &[u64]) -> String {
     }
 }
 
-/// Returns the call that makes a value, such as a twist, of its linear and its angular vector. `make` is the name of
-/// the function.
+/// Returns a call of the function `make` with two vectors as arguments, which makes a twist or a wrench from its linear
+/// and its angular part. `linear` and `angular` hold memory words.
 fn parts(make: &str, linear: &[u64], angular: &[u64]) -> String {
     let [linear, angular] = [linear, angular].map(|cells| scalar_value(Scalar::Vector, cells));
     format!("{make}({linear}, {angular})")
@@ -70,8 +70,8 @@ fn reals(cells: &[u64]) -> [String; 3] {
     std::array::from_fn(|k| real(f64::from_bits(cells.get(k).copied().unwrap_or(0))))
 }
 
-/// Returns the shortest text that denotes the same double. The language has no literals for NaN and infinities, so they
-/// are written as IEEE 754 divisions by 0.
+/// Returns the shortest literal that denotes the same double. The language has no literals for NaN and infinities, so
+/// they are written as divisions by 0.
 fn real(value: f64) -> String {
     if value.is_nan() {
         return "(0.0 / 0.0)".to_owned();
@@ -86,7 +86,7 @@ fn real(value: f64) -> String {
     }
 }
 
-/// Returns the expression of a time given in ns since the Unix epoch.
+/// Returns the expression for a point in time, given in nanoseconds since the Unix epoch.
 fn time(ns: i64) -> String {
     let seconds = ns as f64 / 1e9;
     format!("Core::TimeAdd(inDelta: {})", real(seconds))

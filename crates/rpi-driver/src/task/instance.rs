@@ -10,20 +10,21 @@ use std::collections::BTreeMap;
 
 use crate::program::AnalysedProgram;
 
-/// Command with the argument values that a task calls it with. Each distinct list of values gives a net of its own.
+/// Instance of a command: the command with the argument values with which a task calls it. Each distinct list of values
+/// gives a net of its own.
 #[derive(Clone, PartialEq, Debug)]
 pub(crate) struct Instance {
-    /// Name of the net: `MoveTo(arm, home)`.
+    /// Name of the instance's net, such as `MoveTo(arm, home)`.
     pub(crate) name: String,
-    /// Unit of the command.
+    /// Command that is called.
     pub(crate) unit: UnitId,
-    /// Value of each parameter.
+    /// Argument for each parameter of the command, in the order of declaration.
     pub(crate) args: Vec<Argument>,
     /// Location of the first call in a task.
     pub(crate) span: Span,
 }
 
-/// Value of a parameter of a command or task, and the text of that value in the names of nets.
+/// Argument for a parameter of a command or task: its value, and the text of the value in the names of nets.
 #[derive(Clone, PartialEq, Debug)]
 pub(super) struct TaskArgument {
     pub(super) param: Name,
@@ -31,7 +32,8 @@ pub(super) struct TaskArgument {
     pub(super) name: String,
 }
 
-/// Returns the default values of the parameters of a unit.
+/// Returns the arguments with which a command or task runs on its own: devices and constants with the names of the
+/// parameters, or declared defaults.
 pub(super) fn default_arguments(front: &AnalysedProgram<'_>, unit: &Unit) -> Vec<TaskArgument> {
     let params = elab::parameters(unit).into_iter().map(|id| unit.flow(id));
     let given = params.map(|flow| TaskArgument {
@@ -42,8 +44,8 @@ pub(super) fn default_arguments(front: &AnalysedProgram<'_>, unit: &Unit) -> Vec
     given.collect()
 }
 
-/// Returns the values of all parameters of the callee of a step. The step belongs to the task `unit`, whose own
-/// parameters have the values `known`.
+/// Returns the arguments for all parameters of the command or task that a step calls. The step belongs to the task
+/// `unit`, whose own parameters have the values `known`.
 ///
 /// # Errors
 /// A noun phrase for the argument that has no value before the task runs.
@@ -92,30 +94,30 @@ pub(super) fn step_arguments(
     Ok(all)
 }
 
-/// Returns the argument of a step that is at location `at`, if it is a single name.
+/// Returns the name that is the argument of a step at the location `at`; `None` if that argument is not a single name.
 fn argument_name(run: &Run, at: Span) -> Option<&Name> {
     let values = run.args.iter().map(|arg| arg.value.unparen());
     let at_place = |value: &&Expr| value.span == at;
     values.filter(at_place).find_map(Expr::as_name)
 }
 
-/// Returns the text of the argument for a parameter of the task; any other name is returned unchanged.
+/// Returns the text of the argument for the parameter `name` of the task; any other name is returned unchanged.
 fn argument_text(known: &[TaskArgument], name: &Name) -> String {
     let param = known.iter().find(|given| given.param == *name);
     param.map_or(name.to_string(), |given| given.name.clone())
 }
 
-/// Returns the source text of an argument on one line.
+/// Returns the source text of an argument, joined to one line.
 fn source_text(front: &AnalysedProgram<'_>, span: Span) -> String {
     let words: Vec<&str> = front.sources.slice(span).split_whitespace().collect();
     words.join(" ")
 }
 
-/// Instances of commands that the tasks compiled so far need.
+/// Instances of commands (commands with given arguments) that the tasks compiled so far need.
 #[derive(Default)]
 pub(super) struct Instances {
     pub(super) all: Vec<Instance>,
-    /// Names of the instances, first by the text of the call, such as `MoveTo(arm, home)`, then by unit and argument
+    /// Names of the instances, first by the text of the call, such as `MoveTo(arm, home)`, then by command and argument
     /// values.
     by_text: BTreeMap<String, BTreeMap<String, String>>,
     /// Number of plan nodes of all tasks so far, for the size limit.
@@ -123,8 +125,8 @@ pub(super) struct Instances {
 }
 
 impl Instances {
-    /// Returns the name of the net of a command for its arguments. A command with its default arguments needs no
-    /// instance if it can be run on its own.
+    /// Returns the name of the net for the command that a step calls with the arguments `given`. The instance is added
+    /// if it is new. A command of the program itself with its default arguments needs no instance.
     pub(super) fn name(
         &mut self,
         front: &AnalysedProgram<'_>,
@@ -156,8 +158,9 @@ impl Instances {
         self.unique_name(name, step, args)
     }
 
-    /// Returns a unique name for an instance. The same text may denote different values if tasks with parameters call
-    /// one another; such instances are numbered.
+    /// Returns a unique name for the instance of a step's command with the arguments `args`, and adds the instance if
+    /// it is new. The same `text` of a call may denote different values if tasks with parameters call one another; such
+    /// instances are numbered.
     fn unique_name(&mut self, text: String, step: &TaskStep, args: Vec<Argument>) -> String {
         let unit = step.unit;
         let same = self.by_text.entry(text.clone()).or_default();

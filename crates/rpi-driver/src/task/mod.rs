@@ -24,7 +24,7 @@ use rpi_sema::typed::{UnitId, UnitKind};
 
 use crate::program::AnalysedProgram;
 
-/// Task of a program, with its plan.
+/// Task of a program, with its plan: which command follows which result.
 #[derive(Clone, PartialEq, Debug)]
 pub struct Task {
     /// Name of the task.
@@ -33,7 +33,7 @@ pub struct Task {
     pub plan: Result<TaskPlan, TaskPlanError>,
 }
 
-/// Reason why a task cannot be run.
+/// Reason why a task cannot be run, as a noun phrase for a message.
 #[derive(Clone, PartialEq, Eq, Debug)]
 pub struct TaskPlanError(String);
 
@@ -45,21 +45,21 @@ impl fmt::Display for TaskPlanError {
 
 impl std::error::Error for TaskPlanError {}
 
-/// Node of a plan. A command is identified by its name, with the arguments if these differ from the parameter names:
-/// `MoveTo(arm, home)`.
+/// Node of the plan of a task. The node identifies its command by name, with the arguments if these differ from the
+/// names of the parameters, as in `MoveTo(arm, home)`.
 pub type TaskNode = rpi_image::plan::PlanNode<String>;
 
-/// Plan of a task: the order of its commands, with branches on their results.
+/// Plan of a task: a graph of nodes, which says which command follows which result.
 #[derive(Clone, PartialEq, Eq, Debug, Default)]
 pub struct TaskPlan {
-    /// Nodes of the plan; targets are indices into this list.
+    /// Nodes of the plan. They refer to each other by index in this list.
     pub nodes: Vec<TaskNode>,
-    /// First node.
+    /// Index of the first node; `None` if the task runs no command.
     pub start: Target,
 }
 
-/// Returns the tasks of a program in source order, and the instances of commands that they need. Tasks that are too
-/// large are reported.
+/// Returns the tasks of a program in source order, and the instances of commands (commands with given arguments) that
+/// they need. A task that is too large is reported in `diagnostics`, and no further task is returned.
 pub(crate) fn tasks(
     front: &AnalysedProgram<'_>,
     diagnostics: &mut Vec<Diagnostic>,

@@ -11,12 +11,12 @@ use super::instance::{self, Instances, TaskArgument};
 use super::{TaskNode, TaskPlan};
 use crate::program::AnalysedProgram;
 
-/// Reason why a task has no plan.
+/// Reason why no plan of a task can be made.
 #[derive(Debug)]
 pub(super) enum PlanError {
-    /// Message that is shown when the task is to be run.
+    /// The task cannot be run, for this reason, which is shown when the task is to be run.
     Message(String),
-    /// The task is too large after inlining.
+    /// The plan of the task would be too large, because it contains those of all called tasks.
     TooLarge,
 }
 
@@ -32,7 +32,7 @@ impl From<&str> for PlanError {
     }
 }
 
-/// Returns the plan of a task that is run on its own.
+/// Returns the plan of the task with this declaration and unit, run on its own with its default arguments.
 ///
 /// # Errors
 /// The reason why the task has no plan.
@@ -59,28 +59,29 @@ pub(super) fn plan(
 struct Builder<'f> {
     front: &'f AnalysedProgram<'f>,
     nodes: Vec<TaskNode>,
-    /// Current depth of nested tasks.
+    /// Number of called tasks around the step that is being planned; 0 for the steps of the task itself.
     depth: usize,
     instances: &'f mut Instances,
-    /// Task that is being inlined.
+    /// Task whose steps are being planned: the task itself, or a called one.
     unit: &'f Unit,
-    /// Values of the task's parameters.
+    /// Arguments for the parameters of the task in `unit`.
     known: Vec<TaskArgument>,
 }
 
-/// Default targets of the steps of a task.
+/// Nodes at which the plan continues after the steps of a task or branch.
 #[derive(Clone)]
 struct Scope {
-    /// Target that follows after the last step of the task.
+    /// Node that follows after the last step of the task or branch; `None` for the end of the plan.
     exit: Target,
-    /// Target after a `fail` result that no branch handles; `None` ends the task with the error.
+    /// Node that follows a `fail` result that no branch of a step handles; `None` ends the task with the error.
     fail: Option<Target>,
-    /// Label of each labelled step, with the plan node of the step.
+    /// Label of each labelled step in scope, with the index of its plan node.
     labels: Vec<(String, usize)>,
 }
 
 impl<'f> Builder<'f> {
-    /// Inlines a task and returns its first node. Recursion was excluded by the checker.
+    /// Adds the plan nodes of a task, which continue at `exit`, or at `fail` after an unhandled `fail` result. Returns
+    /// the first node. Recursion was excluded by the checker.
     fn task(
         &mut self,
         decl: DeclId,
@@ -98,7 +99,7 @@ impl<'f> Builder<'f> {
         self.steps(&task.steps, exit, scope)
     }
 
-    /// Adds the plan nodes of consecutive steps; after the last one the plan continues at `behind`. Returns the first
+    /// Adds the plan nodes of consecutive steps; after the last step the plan continues at `behind`. Returns the first
     /// node.
     fn steps(
         &mut self,
@@ -164,8 +165,8 @@ impl<'f> Builder<'f> {
         Ok(TaskNode::EnterLoop(at))
     }
 
-    /// Adds the nodes of parallel branches. Each branch leads to a node that waits for the others. A branch left by an
-    /// error goes through a node that ends the other branches.
+    /// Adds the plan nodes of parallel branches and returns the node that leads to them. Each branch ends at a node
+    /// that waits for the others. A branch left by an error goes through a node that ends the other branches.
     fn parallel(
         &mut self,
         strands: &[ParallelBranch],
@@ -223,7 +224,8 @@ impl<'f> Builder<'f> {
         })
     }
 
-    /// Returns the number of repetitions that an expression in the program text denotes.
+    /// Returns the number of repetitions that the expression at the location `count` denotes, or an error if it has no
+    /// valid value before the task runs.
     fn times(&self, count: Span) -> Result<u64, PlanError> {
         let mut counts = self.unit.repeat_counts.iter();
         let (_, id) = counts
@@ -248,7 +250,8 @@ struct Branches {
     any: Option<Target>,
 }
 
-/// Returns the targets of the branches; of two branches for the same result the first counts.
+/// Returns the nodes that follow the results of a step, as its branches say. Of two branches for the same result the
+/// first counts.
 fn branches(all: &[Branch], scope: &Scope) -> Result<Branches, String> {
     let mut found = Branches::default();
     for branch in all {
@@ -267,7 +270,8 @@ fn branches(all: &[Branch], scope: &Scope) -> Result<Branches, String> {
     Ok(found)
 }
 
-/// Returns the step that a `start` names, and `None` without one. Of several, the last one counts.
+/// Returns the plan node of the step that a `start` names; `None` if there is no `start`. Of several, the last one
+/// counts.
 fn declared_start(steps: &[Step], scope: &Scope) -> Result<Target, PlanError> {
     let mut start = None;
     for step in steps {

@@ -5,8 +5,9 @@ use crate::image::SlotRange;
 use alloc::format;
 
 impl<'a> Verifier<'a> {
-    /// Returns the operand words in the range `words`. Reports an error if they are out of range or not whole groups of
-    /// `group` words.
+    /// Returns the operand words of a step: the range `words` of [`Image::code`](crate::image::Image::code). Reports an
+    /// error and returns `None` if the range is outside of the code, or its length is not a multiple of `group`, the
+    /// number of words per call.
     pub(super) fn operand_words(&mut self, words: SlotRange, group: usize) -> Option<&'a [u32]> {
         let found = self.image.code.get(words.range());
         let whole = group > 0 && (words.len as usize).is_multiple_of(group);
@@ -20,8 +21,9 @@ impl<'a> Verifier<'a> {
         found.filter(|_| whole)
     }
 
-    /// Checks a read of plain values: an earlier step has a write to each slot. The value may be stale (from an earlier
-    /// cycle).
+    /// Checks the slots that the current step reads as plain values: an earlier step writes each of them, unless they
+    /// are constants, external slots or state. The earlier step may be skipped in a cycle, so that a value is from an
+    /// earlier cycle.
     pub(super) fn check_read(&mut self, c: SlotRange) {
         let Some(scopes) = self.writer_scope.get(c.range()) else {
             return self.report(format!("slots {}..{} are out of range", c.start, c.end()));
@@ -34,8 +36,8 @@ impl<'a> Verifier<'a> {
         }
     }
 
-    /// Checks a read of a Boolean that affects control (skip, reset, presence): it must be written on every path to
-    /// this step.
+    /// Checks that the Boolean slot `cell`, which decides about a skip, a reset or a presence, has been written on
+    /// every path to the current step.
     pub(super) fn check_control_read(&mut self, cell: u32) {
         let scope = self.writer_scope.get(cell as usize).copied();
         let written = scope.is_some_and(|scope| self.is_executed(scope));
@@ -44,8 +46,8 @@ impl<'a> Verifier<'a> {
         });
     }
 
-    /// Returns whether the steps of a scope have certainly run when the current step runs: all guards of the scope are
-    /// known to be true.
+    /// Returns whether the steps of a scope (the steps that one skip jumps over) have run on every path to the current
+    /// step: all guards around that scope are known to be true.
     fn is_executed(&self, scope: u32) -> bool {
         let mut at = scope;
         while at != 0 {
@@ -72,8 +74,8 @@ impl<'a> Verifier<'a> {
         at == scope
     }
 
-    /// Checks a Boolean that decides about a jump or a reset in the commit phase: a step of the evaluation phase must
-    /// write it.
+    /// Checks that a step of the evaluation phase writes the Boolean slot `cell`, by which the commit phase decides
+    /// about a skip.
     pub(super) fn check_commit_control_read(&mut self, cell: u32) {
         self.check_read(SlotRange {
             start: cell,
@@ -81,7 +83,7 @@ impl<'a> Verifier<'a> {
         });
     }
 
-    /// Checks that a range of slots is in the constant region, which no step writes.
+    /// Checks that a range of slots is in the region of constants, which no step writes.
     pub(super) fn check_constant(&mut self, c: SlotRange) {
         let is_constant = c.end() <= self.image.layout.constants;
         self.require(is_constant, || {
@@ -89,7 +91,8 @@ impl<'a> Verifier<'a> {
         });
     }
 
-    /// Checks that a step may write these slots: they are not constants, and no other step writes them.
+    /// Checks that the current step may write a range of slots: the slots are values or state, and no other step writes
+    /// them.
     pub(super) fn check_write(&mut self, c: SlotRange) {
         if c.start < self.image.layout.state {
             return self.check_state_write(c);
@@ -105,8 +108,8 @@ impl<'a> Verifier<'a> {
         }
     }
 
-    /// Checks that a primitive may keep its state in these slots: they lie in the state region, and no other step uses
-    /// them as state.
+    /// Checks that the current step may write a range of state slots: the slots are in the state region, and no other
+    /// step uses them as its state.
     pub(super) fn check_state_write(&mut self, c: SlotRange) {
         let first = self.image.layout.external;
         let range = c.start.checked_sub(first).map(|at| {

@@ -23,26 +23,26 @@ use alloc::vec;
 use alloc::vec::Vec;
 use core::fmt;
 
-/// Look-up of the declaration of a primitive by registered name.
+/// Function that returns the declaration of a primitive by its registered name; `None` for an unknown name.
 pub type PrimLookup<'a> = &'a dyn Fn(&str) -> Option<&'static PrimDesc>;
 
-/// Position of an error in an image.
+/// Place in an image at which the verifier reports an error.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub enum ErrorLocation {
-    /// Entry of a table: name of the table and index.
+    /// Entry of a table of the image: name of the table, and index of the entry.
     Table(&'static str, usize),
-    /// Step of the evaluation phase with this index.
+    /// Step of the evaluation phase, as an index into [`Image::steps`].
     Step(usize),
-    /// Step of the commit phase with this index.
+    /// Step of the commit phase, as an index into [`Image::commit`].
     Commit(usize),
 }
 
-/// Error found by the verifier.
+/// Error in an image that the verifier reports.
 #[derive(Clone, PartialEq, Eq, Debug)]
 pub struct VerifyError {
-    /// Position of the error.
+    /// Table entry or step of the image that is invalid.
     pub location: ErrorLocation,
-    /// Description of the error, with the numbers of the slots.
+    /// Description of the error, with the indices of the slots.
     pub message: String,
 }
 
@@ -58,10 +58,10 @@ impl fmt::Display for VerifyError {
 
 impl core::error::Error for VerifyError {}
 
-/// Verifies an image against the primitives of this build.
+/// Verifies an image: all accesses, jumps and operands are valid for the primitives in `catalogue`.
 ///
 /// # Errors
-/// Returns all errors, in the order of the image, at most 100. The image must not be used.
+/// Returns the errors in the order of the image, at most 100. An image with an error must not be executed.
 pub fn verify(image: &Image, catalogue: PrimLookup<'_>) -> Result<(), Vec<VerifyError>> {
     let mut check = Verifier::new(image);
     check.layout();
@@ -78,35 +78,36 @@ pub fn verify(image: &Image, catalogue: PrimLookup<'_>) -> Result<(), Vec<Verify
     }
 }
 
-/// Maximum number of collected errors.
+/// Maximum number of errors that the verifier collects for one image.
 const MAX_ERRORS: usize = 100;
-/// Scope of a slot that no step has written yet.
+/// Entry of [`Verifier::writer_scope`] for a slot that no step has written so far.
 const UNWRITTEN: u32 = u32::MAX;
 
-/// Steps that a skip jumps over, with the Boolean that guards them.
+/// Scope: the steps that one skip jumps over, with the Boolean slot (guard) that lets them run.
 #[derive(Clone, Copy)]
 struct Scope {
     outer: u32,
     guard: u32,
-    /// Whether the Boolean of the guard has its final value: no later step of the phase changes it.
+    /// True if no later step of the phase changes the Boolean slot of the guard.
     is_final: bool,
 }
 
-/// State of the verification: the image, the errors so far and the knowledge about each slot.
+/// State of the verification of one image: the errors so far, and which steps have written each slot.
 struct Verifier<'a> {
     image: &'a Image,
     errors: Vec<VerifyError>,
     location: ErrorLocation,
-    /// Scope of the writer of each slot: 0 outside all skips. Constants, external slots and state slots have scope 0,
-    /// as they are readable at any time.
+    /// For each slot, the scope of the step that writes it: an index into `scopes`, 0 for a step outside all skips, or
+    /// [`UNWRITTEN`]. Constants, external slots and state slots have scope 0, because every step may read them.
     writer_scope: Vec<u32>,
-    /// For each state slot, whether a step uses it as its state.
+    /// For each slot of the state region, true if a step uses the slot as its state.
     owned: Vec<bool>,
-    /// The root scope and the scopes of all skips so far.
+    /// Scopes so far: the root scope, which holds the steps outside all skips, and one scope for each skip.
     scopes: Vec<Scope>,
-    /// Index of the innermost scope around the current step.
+    /// Innermost scope around the current step: an index into `scopes`.
     scope: u32,
-    /// Number of open scopes with this guard, for each slot. The slot is known to be true here if it is not 0.
+    /// For each slot, the number of scopes around the current step that this slot guards. If the number is not 0, the
+    /// slot is true whenever the current step runs.
     open_guards: Vec<u32>,
 }
 
@@ -143,7 +144,8 @@ impl<'a> Verifier<'a> {
         }
     }
 
-    /// Returns the declarations of the used primitives; `None` for one that is unknown or has another signature.
+    /// Returns the declaration of each primitive in [`Image::prims_used`]. Reports an error for a primitive that is
+    /// unknown or has another signature; its entry is `None`.
     fn prims(&mut self, catalogue: PrimLookup<'_>) -> Vec<Option<&'static PrimDesc>> {
         let mut found = Vec::with_capacity(self.image.prims_used.len());
         for (k, used) in self.image.prims_used.iter().enumerate() {

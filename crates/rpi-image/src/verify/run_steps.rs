@@ -12,7 +12,8 @@ use alloc::string::String;
 use alloc::vec::Vec;
 use alloc::{format, vec};
 
-/// Input types and parameters of one call of a primitive. Both are empty if no size depends on them.
+/// Types of the inputs and values of the parameters of one call of a primitive, from which the sizes of outputs and
+/// state follow. Both lists are empty if all sizes of the primitive are fixed.
 struct GroupTypes {
     inputs: Vec<Option<Type>>,
     params: Vec<Value>,
@@ -99,7 +100,8 @@ impl Verifier<'_> {
         }
     }
 
-    /// Checks the length or shape of an output against the rule of the declaration.
+    /// Checks the type `ty` of the out-port with index `port` against the shape rule of the primitive. `group` holds
+    /// the inputs and parameters of the call.
     fn check_shape(&mut self, desc: &PrimDesc, port: usize, ty: Type, group: &GroupTypes) {
         if matches!(desc.shape, ShapeRule::Fixed) {
             return;
@@ -139,7 +141,8 @@ impl Verifier<'_> {
         });
     }
 
-    /// Returns the value of a constant; zero if it is out of range, which is already reported.
+    /// Returns the constant of type `ty` that starts at slot `at`. Slots outside of the memory count as 0; their error
+    /// is already reported.
     fn value(&self, at: u32, ty: Type) -> Value {
         let bits = |cell: u32| {
             let found = self.image.init.binary_search_by_key(&cell, |c| c.0);
@@ -161,7 +164,9 @@ fn slot_range(at: u32, ty: Type) -> SlotRange {
     }
 }
 
-/// Returns whether a primitive may run in this form: it has code, and the form matches the presence of its outputs.
+/// Returns whether a step can run a primitive in this form. Only a primitive with [`Role::Compute`] runs. The form
+/// [`Form::Total`] needs outputs that cannot be absent while all inputs are present ([`Presence::Maybe`] can);
+/// [`Form::Optional`] needs at least one output that is not [`Presence::Strict`].
 fn has_form(desc: &PrimDesc, form: Form) -> bool {
     let presence = desc.outputs.iter().map(|o| o.presence);
     let strict = presence.clone().all(|p| p == Presence::Strict);
@@ -185,7 +190,8 @@ fn port_type(ty: PortType, words: &[u32]) -> Type {
     }
 }
 
-/// Returns the type of a parameter. Texts have no operand, so the last case does not occur.
+/// Returns the type of a parameter; `words` are the words of its operand. A text parameter has no operand, so the last
+/// case does not occur.
 fn param_type(ty: ParamType, words: &[u32]) -> Type {
     match ty {
         ParamType::Scalar(s) => Type::Scalar(s),

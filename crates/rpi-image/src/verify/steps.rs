@@ -7,7 +7,8 @@ use crate::operands::{Operand, group_words, operand_layout};
 use alloc::vec::Vec;
 use alloc::{format, vec};
 
-/// Primitive that an image uses, with the operand layouts of its two forms.
+/// Declaration of a primitive that an image uses, with the operand layout and the number of words per call for each of
+/// its two forms.
 pub(super) struct PrimLayout {
     pub desc: &'static PrimDesc,
     pub forms: [(Vec<Operand>, usize); 2],
@@ -28,7 +29,8 @@ impl PrimLayout {
 }
 
 impl Verifier<'_> {
-    /// Checks the evaluation phase in one pass from the first to the last step.
+    /// Checks the steps of the evaluation phase in one pass, in order of execution. `prims` holds the declarations of
+    /// [`Image::prims_used`](crate::image::Image::prims_used), `None` for an invalid one.
     pub(super) fn evaluation(&mut self, prims: &[Option<&'static PrimDesc>]) {
         let known: Vec<Option<PrimLayout>> = prims.iter().map(|p| p.map(PrimLayout::new)).collect();
         let mut used = UsedPorts::new(self.image.actuators.len(), self.image.functions.len());
@@ -60,7 +62,8 @@ impl Verifier<'_> {
         self.leave_skips(&mut ends, self.image.steps.len());
     }
 
-    /// Checks the commit phase: its copies write only state, and no later copy reads an overwritten slot.
+    /// Checks the steps of the commit phase: they are only skips and copies, the copies write only state, and no copy
+    /// reads a slot that an earlier copy has overwritten.
     pub(super) fn commit(&mut self) {
         let mut ends = Vec::new();
         let mut gone = vec![false; self.owned.len()];
@@ -107,8 +110,8 @@ impl Verifier<'_> {
         });
     }
 
-    /// Returns whether no later step changes a slot. Only state changes during evaluation, and each state slot has one
-    /// writer.
+    /// Returns whether no later step changes the slot. Only state slots can change during the evaluation phase, and
+    /// each has one writer.
     fn is_final(&self, cell: u32) -> bool {
         let layout = self.image.layout;
         let state = (layout.external..layout.state).contains(&cell);
@@ -198,7 +201,8 @@ impl Verifier<'_> {
     }
 }
 
-/// Actuator ports and device functions that steps have used so far. Each may be used only once.
+/// For each actuator port and each device function of an image, whether a step has already used it. A second use is an
+/// error.
 struct UsedPorts {
     actuators: Vec<bool>,
     functions: Vec<bool>,
@@ -212,7 +216,8 @@ impl UsedPorts {
         }
     }
 
-    /// Marks an index as used. Returns true for its first use, false for a further use and for an index out of range.
+    /// Marks the entry with this index as used. Returns true for its first use, and false for a further use or an index
+    /// out of range.
     fn mark_used(flags: &mut [bool], index: u32) -> bool {
         let flag = flags.get_mut(index as usize);
         flag.is_some_and(|f| !core::mem::replace(f, true))

@@ -5,11 +5,12 @@ use crate::image::{CommandEnd, FALSE, MAX_SLOTS, Signal, SlotRange, TRUE};
 use crate::types::{Scalar, Type};
 use alloc::{format, vec};
 
-/// Maximum period, one hour.
+/// Maximum period of a command in ns: one hour.
 const MAX_PERIOD_NS: u64 = 3_600_000_000_000;
 
 impl Verifier<'_> {
-    /// Checks memory regions and initial contents, and initialises the knowledge about each slot.
+    /// Checks the memory regions, the period, the tick and the initial contents. If they are valid, creates the tables
+    /// that record the writer of each slot.
     pub(super) fn layout(&mut self) {
         let l = self.image.layout;
         let ordered = TRUE < l.constants
@@ -54,7 +55,8 @@ impl Verifier<'_> {
         self.require(is_true, || format!("slot {TRUE} must start as 1"));
     }
 
-    /// Checks the tables that do not depend on the steps.
+    /// Checks the tables of fragments, sensors, inputs, core flows and debug information, which do not depend on the
+    /// steps.
     pub(super) fn tables(&mut self) {
         self.fragments();
         for (k, s) in self.image.sensors.iter().enumerate() {
@@ -123,8 +125,8 @@ impl Verifier<'_> {
         }
     }
 
-    /// Checks the flows that are read after the evaluation phase: exports and results. Valid only after
-    /// [`Verifier::evaluation`].
+    /// Checks the flows that are read after the evaluation phase: exports and results. The check needs the writers of
+    /// slots, so [`Verifier::evaluation`] must have run before.
     pub(super) fn check_results(&mut self) {
         for (k, e) in self.image.exports.iter().enumerate() {
             self.location = ErrorLocation::Table("export", k);
@@ -146,7 +148,8 @@ impl Verifier<'_> {
         }
     }
 
-    /// Checks a flow that ends a command: a single value of type `scalar`.
+    /// Checks a flow that ends a command: it must be a single value of type `scalar`, and readable after the evaluation
+    /// phase.
     fn check_end_condition(&mut self, s: Signal, scalar: Scalar) {
         let ty = s.ty;
         self.require(ty == Type::Scalar(scalar), || {
@@ -155,13 +158,14 @@ impl Verifier<'_> {
         self.check_final_read(s);
     }
 
-    /// Checks a flow that is read after the evaluation phase: a step must have written it.
+    /// Checks a flow that is read after the evaluation phase: its slots must exist, and a step must have written its
+    /// presence in every cycle.
     fn check_final_read(&mut self, s: Signal) {
         self.signal(s);
         self.check_control_read(s.present);
     }
 
-    /// Checks a flow written by the core: it must lie in external slots.
+    /// Checks a flow that the core writes before the evaluation phase: its slots must be external slots.
     fn check_external_flow(&mut self, s: Signal) {
         self.external(s.slots());
         if s.present != TRUE {

@@ -1,7 +1,8 @@
 //! Franka Panda (FER).
 //!
 //! Its elbow and wrist have offsets, so it has no arm angle in the sense of [`crate::srs`], and no closed form is
-//! implemented. Set-points must be joint positions, not poses.
+//! implemented. Damped least squares hold its last axis, which is redundant for most poses; He and Liu (Analytical inverse
+//! kinematics for Franka Emika Panda, 2021) choose the same one.
 
 use crate::chain::LinkTwist;
 use crate::model::{ArmModel, InverseKinematics};
@@ -18,7 +19,7 @@ pub static PANDA: ArmModel = ArmModel {
         fixed_links: &FLANGE,
     },
     limits: &LIMITS,
-    inverse: InverseKinematics::NoClosedForm,
+    inverse: InverseKinematics::DampedLeastSquares { held_axis: Some(6) },
 };
 
 static LINKS: [Link; 7] = [

@@ -3,7 +3,6 @@
 //! With all joints at zero (as defined by the vendor), the arm is stretched out horizontally to the front. Axes 1, 4
 //! and 6 are clockwise.
 
-use crate::chain::LinkTwist;
 use crate::model::{ArmModel, InverseKinematics};
 use crate::opw::Geometry;
 use crate::{AxisLimits, Chain, Convention, Link};
@@ -32,12 +31,14 @@ pub static KR_16_2: ArmModel = ArmModel {
 const KR_6_R900_LENGTHS: Geometry = geometry(0.025, -0.035, [0.400, 0.455, 0.420, 0.080]);
 const KR_16_2_LENGTHS: Geometry = geometry(0.260, 0.035, [0.675, 0.680, 0.670, 0.158]);
 
-static KR_6_R900_LINKS: [Link; 6] = links(&KR_6_R900_LENGTHS);
-static KR_16_2_LINKS: [Link; 6] = links(&KR_16_2_LENGTHS);
+static KR_6_R900_LINKS: [Link; 6] = KR_6_R900_LENGTHS.links();
+static KR_16_2_LINKS: [Link; 6] = KR_16_2_LENGTHS.links();
 
-/// Acceleration limit as a multiple of the velocity limit, in 1/s, followed by the jerk limit as a multiple in 1/s²:
-/// full speed is reached after 0.5 s, full acceleration after 0.1 s.
+/// Assumed acceleration limit of an axis as a multiple of its velocity limit, in 1/s: full speed is reached after 0.5
+/// s.
 const ACCELERATION_FACTOR: f64 = 2.0;
+/// Assumed jerk limit of an axis as a multiple of its velocity limit, in 1/s²: full acceleration is reached after 0.1
+/// s.
 const JERK_FACTOR: f64 = 20.0;
 
 static KR_6_R900_LIMITS: [AxisLimits; 6] = [
@@ -71,8 +72,8 @@ const fn chain(links: &'static [Link]) -> Chain {
     }
 }
 
-/// Returns the geometry of a KR arm from its lengths in m. The zero of axis 2 is horizontal, a quarter turn from the
-/// canonical upright zero.
+/// Returns the geometry of a KR arm from its lengths `a1`, `a2` and `c1` to `c4` in m, named as in [`Geometry`]. The
+/// arm is upright when axis 2 is a quarter turn from its zero position, which is horizontal.
 const fn geometry(a1: f64, a2: f64, [c1, c2, c3, c4]: [f64; 4]) -> Geometry {
     Geometry {
         a1,
@@ -85,18 +86,4 @@ const fn geometry(a1: f64, a2: f64, [c1, c2, c3, c4]: [f64; 4]) -> Geometry {
         sense: [-1.0, 1.0, 1.0, -1.0, 1.0, -1.0],
         offset: [0.0, FRAC_PI_2, 0.0, 0.0, 0.0, 0.0],
     }
-}
-
-/// Returns the Denavit-Hartenberg rows of a geometry. Rows rotate about z, so axes 2 and 3 need offsets of a quarter
-/// turn.
-const fn links(of: &Geometry) -> [Link; 6] {
-    let [s, o] = [of.sense, of.offset];
-    [
-        Link::new(of.a1, LinkTwist::MINUS_90, of.c1).with_sense(s[0], o[0]),
-        Link::new(of.c2, LinkTwist::NONE, of.b).with_sense(s[1], o[1] - FRAC_PI_2),
-        Link::new(of.a2, LinkTwist::PLUS_90, 0.0).with_sense(s[2], o[2] + FRAC_PI_2),
-        Link::new(0.0, LinkTwist::MINUS_90, of.c3).with_sense(s[3], o[3]),
-        Link::new(0.0, LinkTwist::PLUS_90, 0.0).with_sense(s[4], o[4]),
-        Link::new(0.0, LinkTwist::NONE, of.c4).with_sense(s[5], o[5]),
-    ]
 }

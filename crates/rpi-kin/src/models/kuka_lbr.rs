@@ -64,9 +64,11 @@ static IIWA_7_LINKS: [Link; 7] = IIWA_7_LENGTHS.links();
 static IIWA_14_LINKS: [Link; 7] = IIWA_14_LENGTHS.links();
 static LWR_4_PLUS_LINKS: [Link; 7] = LWR_4_PLUS_LENGTHS.links();
 
-/// Acceleration limit as a multiple of the velocity limit, in 1/s, followed by the jerk limit as a multiple in 1/s²:
-/// full speed is reached after 1/3 s, full acceleration after 0.15 s.
+/// Assumed acceleration limit of an axis as a multiple of its velocity limit, in 1/s: full speed is reached after 1/3
+/// s.
 const ACCELERATION_FACTOR: f64 = 3.0;
+/// Assumed jerk limit of an axis as a multiple of its velocity limit, in 1/s²: full acceleration is reached after 0.15
+/// s.
 const JERK_FACTOR: f64 = 20.0;
 
 static IIWA_7_LIMITS: [AxisLimits; 7] =
@@ -102,8 +104,9 @@ const fn iiwa_limits(velocity: [f64; 7]) -> [AxisLimits; 7] {
     ]
 }
 
-/// Returns the limits of an axis of the LWR. Its acceleration is published as 4 rad/s² for every axis. Its jerk is not
-/// published: it is derived from the velocity limit with the factor of the iiwa.
+/// Returns the limits of an axis of the LWR: range ±`bound` degrees, `velocity` in degrees per second. Its acceleration
+/// is published as 4 rad/s² for every axis. Its jerk is not published: it is derived from the velocity limit with the
+/// factor of the iiwa.
 const fn lwr_limits(bound: f64, velocity: f64) -> AxisLimits {
     let limits = AxisLimits::from_degrees(-bound, bound, velocity);
     limits.with_acceleration_and_jerk(4.0, JERK_FACTOR * limits.velocity)
@@ -117,12 +120,14 @@ const fn chain(links: &'static [Link]) -> Chain {
     }
 }
 
-/// Lengths and sense of axis 2, by which the LBR arms differ.
+/// Lengths, and sense of axis 2, by which the LBR arms differ.
 #[derive(Clone, Copy)]
 struct Lbr {
-    /// Distances base to shoulder, shoulder to elbow, elbow to wrist and wrist to flange, in m.
+    /// Distance from the base to the shoulder, in m.
     base: f64,
+    /// Distance from the elbow to the wrist, in m.
     upper: f64,
+    /// Distance from the wrist to the flange, in m.
     fore: f64,
     hand: f64,
     /// Sense of axis 2: +1 if a positive angle moves the arm towards +x, else -1.
@@ -130,7 +135,8 @@ struct Lbr {
 }
 
 impl Lbr {
-    /// Returns the standard Denavit-Hartenberg rows: lengths on every other row, quarter turns between the axes.
+    /// Returns the rows of the standard Denavit-Hartenberg table: lengths in every other row, quarter turns between the
+    /// axes.
     const fn links(self) -> [Link; 7] {
         let (over, back) = if self.axis2_sense > 0.0 {
             (LinkTwist::MINUS_90, LinkTwist::PLUS_90)

@@ -9,11 +9,12 @@ use crate::Range;
 use crate::angle::SinCos;
 use nalgebra::Vector3;
 
-/// Maximum number of arm angles at which a joint can be at a limit: two for each limit of six joints. The elbow joint
-/// does not depend on the arm angle.
+/// Maximum number of arm angles (positions of the elbow) at which a joint can be at a limit: two for each of the two
+/// limits of six joints. The elbow joint does not depend on the arm angle.
 pub const MAX_LIMIT_ARM_ANGLES: usize = 24;
 
-/// Function `constant + cos * cos(psi) + sin * sin(psi)` of the arm angle psi.
+/// Function `constant + cos * cos(psi) + sin * sin(psi)` of the arm angle psi, the angle of the elbow about the line
+/// from shoulder to wrist.
 #[derive(Clone, Copy, Debug)]
 struct Sinusoid {
     constant: f64,
@@ -30,7 +31,7 @@ impl Sinusoid {
         }
     }
 
-    /// Returns the two zeros; NaN if there are none.
+    /// Returns the two arm angles (rad, not wrapped) at which the function is zero; NaN if there are none.
     fn zeros(self) -> [f64; 2] {
         let height = libm::sqrt(self.cos * self.cos + self.sin * self.sin);
         let middle = libm::atan2(self.sin, self.cos);
@@ -40,8 +41,8 @@ impl Sinusoid {
     }
 }
 
-/// Vector fixed to the plane of the arm, which turns with the arm angle: components along the line from shoulder to
-/// wrist, towards the elbow, and orthogonal to both.
+/// Vector in the frame of the plane through shoulder, elbow and wrist, which turns with the arm angle: components along
+/// the line from shoulder to wrist, towards the elbow, and orthogonal to both.
 #[derive(Clone, Copy)]
 struct ElbowPlaneVector {
     along: f64,
@@ -60,8 +61,7 @@ impl ElbowPlaneVector {
     }
 }
 
-/// Frame of a limb at a fixed angle from the line from shoulder to wrist: z along the limb, y orthogonal to the plane
-/// of the arm.
+/// Frame of the upper arm or forearm: z along the limb, y orthogonal to the plane through shoulder, elbow and wrist.
 struct LimbFrame {
     x: ElbowPlaneVector,
     y: ElbowPlaneVector,
@@ -90,8 +90,9 @@ impl LimbFrame {
     }
 }
 
-/// Returns the arm angles, not necessarily wrapped, at which a joint is at a limit of its range, for any branch.
-/// `ranges` are those of the canonical angles. Entries that do not exist are NaN.
+/// Returns the arm angles (rad, not wrapped) at which a joint is at a limit of its range, whatever the signs of the
+/// bends of shoulder, elbow and wrist. `ranges` are those of the canonical angles (`sense * joint value`). Unused
+/// entries are NaN.
 #[must_use]
 pub fn limit_arm_angles(
     reach: &ElbowTriangle,
@@ -122,11 +123,11 @@ pub fn limit_arm_angles(
     collect(at_turns.chain(at_bends).flatten())
 }
 
-/// Returns the arm angles (rad, not wrapped) at which the third joint has the canonical angle `third` (rad), or half a turn
-/// more with the opposite bend of the shoulder; NaN if there are none.
+/// Returns the arm angles (rad, not wrapped) at which the third joint has the canonical angle (`sense * joint value`)
+/// `third` (rad), or half a turn more with the opposite bend of the shoulder; NaN if there are none.
 ///
-/// They stay well defined where the shoulder is straight and axes 1 and 3 are in line: there, every held arm angle makes
-/// both axes jump.
+/// These arm angles stay well defined where the shoulder is straight and axes 1 and 3 are in line. There, a constant
+/// arm angle would make both axes jump.
 #[must_use]
 pub fn arm_angles_of_third_joint(
     reach: &ElbowTriangle,
@@ -138,7 +139,8 @@ pub fn arm_angles_of_third_joint(
     zeros_of_turn(sin, cos, SinCos::from_angle(third))
 }
 
-/// Returns sine and cosine of the third joint, of a common length, as functions of the arm angle.
+/// Returns the sine and the cosine of the angle of the third joint, both multiplied by the same positive number, as
+/// functions of the arm angle. `upper` is the frame of the upper arm.
 fn third_joint(upper: &LimbFrame, circle: &ElbowCircle) -> [Sinusoid; 2] {
     let vertical = Vector3::z();
     let cos = upper.x.dot(circle, &vertical);
@@ -155,13 +157,14 @@ fn limits_sin_cos(range: Range) -> [SinCos; 2] {
     ]
 }
 
-/// Returns the arm angles at which a joint that turns about the limb reaches the angle `end`: the direction (cos, sin),
-/// of any length, is then parallel or antiparallel to it.
+/// Returns the arm angles (rad) at which a joint that turns about a limb has the angle `end`, or half a turn more.
+/// `sin` and `cos` are proportional to the sine and the cosine of the joint's angle.
 fn zeros_of_turn(sin: Sinusoid, cos: Sinusoid, end: SinCos) -> [f64; 2] {
     sin.scaled_sum(end.cos, cos, -end.sin).zeros()
 }
 
-/// Returns the arm angles at which a joint that bends has a cosine equal to that of the limit `end`.
+/// Returns the arm angles (rad) at which the cosine `cos` of the angle of a bending joint equals the cosine of the
+/// limit `end`.
 fn zeros_of_bend(cos: Sinusoid, end: SinCos) -> [f64; 2] {
     Sinusoid {
         constant: cos.constant - end.cos,
@@ -178,7 +181,8 @@ fn collect(angles: impl Iterator<Item = f64>) -> [f64; MAX_LIMIT_ARM_ANGLES] {
     all
 }
 
-/// Converts the ranges of joint values to ranges of canonical angles.
+/// Converts ranges of joint values to ranges of canonical angles (`sense * joint value`): a negative sense swaps the
+/// ends.
 #[must_use]
 pub fn canonical_ranges(ranges: &[Range; 7], sense: &Joints) -> [Range; 7] {
     core::array::from_fn(|axis| {

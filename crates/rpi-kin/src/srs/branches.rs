@@ -5,12 +5,13 @@ use crate::angle::HALF_TURN;
 use crate::spherical_joint::{self, STRAIGHT_TOLERANCE, SphericalJoint};
 use nalgebra::Vector3;
 
-/// One of the eight solutions, identified by the axes (2, 4, 6) that bend in the negative sense of the canonical chain.
+/// One of the eight solutions of the inverse kinematics for one position of the elbow, identified by the axes among 2,
+/// 4 and 6 that bend in the negative sense of the canonical chain.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Branch(u8);
 
 impl Branch {
-    /// All eight branches. The first one has no negative bend.
+    /// All eight branches. In the first one, no axis has a negative bend.
     pub const ALL: [Self; 8] = [
         Self(0),
         Self(1),
@@ -22,32 +23,32 @@ impl Branch {
         Self(7),
     ];
 
-    /// Returns the index of the configuration in [`ALL`](Self::ALL), from 0 to 7.
+    /// Returns the index of the branch in [`ALL`](Self::ALL), from 0 to 7.
     #[must_use]
     pub const fn index(self) -> usize {
         self.0 as usize
     }
 
-    /// Returns whether axis 2 (shoulder) bends in the negative sense.
+    /// Returns true if axis 2 (shoulder) bends in the negative sense.
     #[must_use]
     pub const fn is_shoulder_negative(self) -> bool {
         self.0 & 1 != 0
     }
 
-    /// Returns whether axis 4 (elbow) bends in the negative sense.
+    /// Returns true if axis 4 (elbow) bends in the negative sense.
     #[must_use]
     pub const fn is_elbow_negative(self) -> bool {
         self.0 & 2 != 0
     }
 
-    /// Returns whether axis 6 (wrist) bends in the negative sense.
+    /// Returns true if axis 6 (wrist) bends in the negative sense.
     #[must_use]
     pub const fn is_wrist_negative(self) -> bool {
         self.0 & 4 != 0
     }
 
-    /// Returns the canonical angles of this branch from those of the first one, not wrapped. The opposite bend needs
-    /// half a turn of both adjacent axes.
+    /// Returns the canonical angles (rad, not wrapped) of this branch, computed from those of the first branch: each
+    /// opposite bend turns both adjacent axes by half a turn.
     #[must_use]
     pub fn apply(self, first: &Joints) -> Joints {
         let bend = |negative: bool, angle: f64| if negative { -angle } else { angle };
@@ -74,9 +75,9 @@ impl Branch {
     }
 }
 
-/// Returns the canonical angles of the first branch, for a pose and the direction of the elbow from the line (a unit
-/// vector). Angles that the pose does not determine, next to a straight shoulder, elbow or wrist, are taken from `hint`
-/// (canonical angles).
+/// Returns the canonical angles (`sense * joint value`, rad) of the first branch, in which no bend is negative. `reach`
+/// is the triangle of the pose, `elbow` the unit vector from the line shoulder-wrist to the elbow. Angles that the pose
+/// does not determine, next to a straight shoulder, elbow or wrist, are taken from `hint` (canonical angles, rad).
 ///
 /// Each joint is computed from the remaining rotation after the previous joints. Near a straight joint the single
 /// angles are ill-conditioned, but a later joint compensates the error of an earlier one, so that the pose stays exact.
@@ -102,7 +103,8 @@ pub fn first_branch(reach: &ElbowTriangle, elbow: &Vector3<f64>, hint: &Joints) 
     [shoulder.turn, shoulder.bend, p3, p4, p5, p6, p7]
 }
 
-/// Returns the direction of the forearm in the base frame, a unit vector.
+/// Returns the direction of the forearm, from elbow to wrist, in the base frame: a unit vector. `elbow` is the unit
+/// vector from the line shoulder-wrist to the elbow.
 fn forearm(reach: &ElbowTriangle, elbow: &Vector3<f64>) -> Vector3<f64> {
     let tilt = reach.shoulder_angle.difference(reach.elbow_bend);
     reach.line * tilt.cos + elbow * tilt.sin

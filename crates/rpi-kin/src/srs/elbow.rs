@@ -4,12 +4,12 @@ use super::{Geometry, Joints};
 use crate::angle::SinCos;
 use nalgebra::Vector3;
 
-/// Length of the horizontal part below which the line from shoulder to wrist counts as vertical. There, "up" is not
-/// defined on the circle.
+/// Length of the horizontal part of a unit vector up to which the line from shoulder to wrist counts as vertical. For a
+/// vertical line, no direction on the circle of the elbow is the upward one.
 const VERTICAL_TOLERANCE: f64 = 1e-9;
 
-/// Circle of possible elbow positions: its axis, its upward direction, and the direction a quarter turn from it. All
-/// three are orthogonal unit vectors.
+/// Circle of possible elbow positions: its axis from shoulder to wrist, its upward direction, and the direction a
+/// quarter turn from the upward one. All three are orthogonal unit vectors in the base frame.
 #[derive(Clone, Copy, Debug)]
 pub struct ElbowCircle {
     pub(super) axis: Vector3<f64>,
@@ -19,8 +19,8 @@ pub struct ElbowCircle {
 }
 
 impl ElbowCircle {
-    /// Creates the circle about the unit vector `axis`. If the axis is vertical, x of the base frame, rotated into the
-    /// plane of the circle, replaces the upward direction.
+    /// Creates the circle about the unit vector `axis` in the base frame. If the axis is vertical, x of the base frame,
+    /// rotated into the plane of the circle, replaces the upward direction.
     #[must_use]
     pub fn new(axis: Vector3<f64>) -> Self {
         let level = libm::sqrt(axis.x * axis.x + axis.y * axis.y);
@@ -40,14 +40,14 @@ impl ElbowCircle {
         }
     }
 
-    /// Returns the unit vector on the circle at an arm angle.
+    /// Returns the unit vector from the line shoulder-wrist to the elbow at an arm angle, in the base frame.
     #[must_use]
     pub fn direction(&self, arm_angle: SinCos) -> Vector3<f64> {
         self.up * arm_angle.cos + self.side * arm_angle.sin
     }
 
-    /// Returns the arm angle of a direction, ignoring its length and its part along the axis. `None` if it is parallel
-    /// to the axis.
+    /// Returns the arm angle of a direction, without regard to its length and its part along the axis. `None` if the
+    /// direction is parallel to the axis.
     #[must_use]
     pub fn arm_angle(&self, direction: &Vector3<f64>) -> Option<SinCos> {
         let (cos, sin) = (direction.dot(&self.up), direction.dot(&self.side));
@@ -59,17 +59,18 @@ impl ElbowCircle {
     }
 }
 
-/// Elbow position of a set of joint values.
+/// Position of the elbow for a set of joint values: the circle on which the elbow can move, and its place there.
 #[derive(Clone, Copy, Debug)]
 pub struct ElbowPosition {
     circle: ElbowCircle,
-    /// Unit vector from the line to the elbow. For a straight arm, the direction in which the elbow would leave the
-    /// line if it bent in its present sense.
+    /// Unit vector from the line shoulder-wrist to the elbow, in the base frame. For a straight arm, the direction in
+    /// which the elbow would leave the line if it bent in its present sense.
     direction: Vector3<f64>,
 }
 
 impl ElbowPosition {
-    /// Computes the elbow position of the canonical angles `p`. `None` if the forearm is folded back to the shoulder.
+    /// Computes the elbow position of the canonical angles `p` (rad, `sense * joint value`). `None` if the forearm is
+    /// folded back so that the wrist is at the shoulder.
     #[must_use]
     pub fn from_joints(geometry: &Geometry, p: &Joints) -> Option<Self> {
         let (upper, front) = upper_arm(p);
@@ -90,7 +91,7 @@ impl ElbowPosition {
         })
     }
 
-    /// Returns the arm angle of the elbow position; 0 if the elbow points up.
+    /// Returns the arm angle of the elbow position, which is 0 if the elbow points up.
     #[must_use]
     pub fn arm_angle(&self) -> SinCos {
         self.circle
@@ -98,8 +99,9 @@ impl ElbowPosition {
             .unwrap_or(SinCos { sin: 0.0, cos: 1.0 })
     }
 
-    /// Returns the arm angle that keeps this elbow on another circle: the same angle or, if one of both lines is
-    /// vertical and the angles are not comparable, the same direction in space.
+    /// Returns the arm angle that keeps this elbow position on the circle of another pose: the same angle. If a line
+    /// from shoulder to wrist is vertical, angles are not comparable, and the direction of the elbow in space is
+    /// preserved instead.
     #[must_use]
     pub fn arm_angle_on(&self, circle: &ElbowCircle) -> SinCos {
         let by_side = if self.circle.vertical || circle.vertical {
@@ -112,7 +114,7 @@ impl ElbowPosition {
 }
 
 /// Returns the direction of the upper arm, and the orthogonal direction to which a positive bend of the elbow tilts the
-/// forearm.
+/// forearm: unit vectors in the base frame, for the canonical angles `p` (rad).
 fn upper_arm(p: &Joints) -> (Vector3<f64>, Vector3<f64>) {
     let (s1, s2, s3) = (
         SinCos::from_angle(p[0]),

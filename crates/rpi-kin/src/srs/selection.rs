@@ -19,28 +19,30 @@ use super::{ElbowTriangle, Geometry, Joints};
 use crate::angle::{HALF_TURN, SinCos, nearest_turn, turn_within, wrap};
 use crate::{InverseKinematicsError, Range, Transform};
 
-/// Distance from a limit, in rad, at which a joint is placed that must be at the limit: larger than rounding errors,
-/// too small to matter in practice.
+/// Distance from a limit, in rad, at which a joint is placed that would be exactly at the limit: larger than rounding
+/// errors, too small to matter in practice.
 const LIMIT_MARGIN: f64 = 1e-9;
 
-/// Joint values of a seven-axis arm that reach a pose, with the arm angle that they have.
+/// Solution of the inverse kinematics of a seven-axis arm: joint values that reach a pose, and their arm angle.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Solution {
-    /// Joint values, rad.
+    /// Joint values, in rad.
     pub joints: Joints,
-    /// Arm angle, rad.
+    /// Arm angle of the joint values: the angle of the elbow about the line from the shoulder to the wrist, in rad.
     pub arm_angle: f64,
-    /// Change of the arm angle from that of the hint, rad; 0 if it is kept.
+    /// Change of the arm angle from that of the hint, in rad; 0 for no change.
     pub arm_angle_change: f64,
-    /// Branch of the solution.
+    /// Branch of the joint values: which of the axes 2, 4 and 6 bend in the negative sense.
     pub branch: Branch,
 }
 
 impl Geometry {
-    /// Returns the joint values for a pose of the flange in the base frame, chosen by `hint` (rad) within `ranges`.
+    /// Returns joint values (rad) for a pose of the flange in the base frame, within `ranges` (rad): with the arm angle
+    /// of the joint values `hint` (rad) if possible, and near to the hint.
     ///
     /// # Errors
-    /// [`InverseKinematicsError::OutOfReach`], [`InverseKinematicsError::OutOfLimits`], or [`InverseKinematicsError::NotFinite`].
+    /// [`InverseKinematicsError::OutOfReach`], [`InverseKinematicsError::OutOfLimits`], or
+    /// [`InverseKinematicsError::NotFinite`].
     pub fn inverse(
         &self,
         flange: &Transform,
@@ -50,10 +52,12 @@ impl Geometry {
         self.inverse_with_elbow(flange, hint, hint, ranges)
     }
 
-    /// As [`inverse`](Self::inverse), but with the arm angle of the joint values `elbow` instead of those of the hint.
+    /// Returns joint values (rad) for a pose of the flange in the base frame, within `ranges` (rad): with the arm angle
+    /// of the joint values `elbow` (rad) if possible, and near to `hint` (rad).
     ///
     /// # Errors
-    /// As [`inverse`](Self::inverse).
+    /// [`InverseKinematicsError::OutOfReach`], [`InverseKinematicsError::OutOfLimits`], or
+    /// [`InverseKinematicsError::NotFinite`].
     pub fn inverse_with_elbow(
         &self,
         flange: &Transform,
@@ -72,10 +76,12 @@ impl Geometry {
         })
     }
 
-    /// As [`inverse`](Self::inverse), but with the arm angle `arm_angle` (rad) instead of that of the hint.
+    /// Returns joint values (rad) for a pose of the flange in the base frame, within `ranges` (rad): with the arm angle
+    /// `arm_angle` (rad) if possible, else with the nearest possible one, and near to `hint` (rad).
     ///
     /// # Errors
-    /// As [`inverse`](Self::inverse).
+    /// [`InverseKinematicsError::OutOfReach`], [`InverseKinematicsError::OutOfLimits`], or
+    /// [`InverseKinematicsError::NotFinite`].
     pub fn inverse_at_arm_angle(
         &self,
         flange: &Transform,
@@ -112,8 +118,8 @@ impl Geometry {
         })
     }
 
-    /// Returns the arm angles (rad, not wrapped) of a pose at which the third joint has the value `third` (rad), or half a
-    /// turn more; NaN if there are none.
+    /// Returns the arm angles (rad, not wrapped) at which the third joint has the value `third` (rad), or half a turn
+    /// more, for a pose of the flange in the base frame; NaN if there are none.
     ///
     /// # Errors
     /// [`InverseKinematicsError::OutOfReach`] or [`InverseKinematicsError::NotFinite`].
@@ -131,10 +137,10 @@ impl Geometry {
         ))
     }
 
-    /// Returns joint values (rad) whose third one is `third` and whose first one has turned by the opposite angle.
+    /// Returns the joint values with the third one set to `third` and the first one turned by the opposite angle (rad).
     ///
-    /// Next to an upright upper arm both are ill-conditioned, but not their sum: there, this replaces the rounding error of
-    /// the third joint, and the pose stays as it is.
+    /// If the upper arm is nearly upright, both joints are ill-conditioned, but their sum is not: the change then
+    /// replaces the rounding error of the third joint without moving the flange.
     #[must_use]
     pub fn with_third_joint(&self, joints: &Joints, third: f64) -> Joints {
         let mut moved = *joints;
@@ -143,8 +149,8 @@ impl Geometry {
         moved
     }
 
-    /// Returns all eight solutions for a pose and an arm angle, in rad within half a turn, without regard to ranges.
-    /// Angles that the pose does not determine are 0.
+    /// Returns all eight solutions for a pose of the flange in the base frame and an arm angle (rad): joint values in
+    /// rad, from -π to π, without regard to ranges. Angles that the pose does not determine are 0.
     ///
     /// # Errors
     /// [`InverseKinematicsError::OutOfReach`] or [`InverseKinematicsError::NotFinite`].
@@ -167,7 +173,7 @@ impl Geometry {
     }
 }
 
-/// State of one search for joint values of a redundant arm, in canonical angles: pose, hint and ranges.
+/// One search for joint values of a redundant arm: pose, hint and ranges, in canonical angles (`sense * joint value`).
 struct Search<'a> {
     reach: &'a ElbowTriangle,
     circle: ElbowCircle,
@@ -213,14 +219,14 @@ impl<'a> Search<'a> {
         }
     }
 
-    /// Searches a solution with the arm angle of the hint, which is preferred (rule 1); `None` if it has none within
-    /// the ranges.
+    /// Returns the solution nearest to the hint with the arm angle that is to be preserved (rule 1 of the module);
+    /// `None` if its joints are not all within their ranges.
     fn keep_arm_angle(&self) -> Option<Solution> {
         self.fits(&self.nearest.joints).then_some(self.nearest)
     }
 
-    /// Searches the solution with the smallest change of the arm angle (rules 2 and 3); `None` if there is none within
-    /// the ranges.
+    /// Returns the solution with the smallest change of the arm angle (rules 2 and 3 of the module); `None` if there is
+    /// none within the ranges.
     fn change_arm_angle(&self) -> Option<Solution> {
         let near = core::array::from_fn(|axis| self.near_hint(axis));
         let own = [self.nearest.branch];
@@ -234,7 +240,7 @@ impl<'a> Search<'a> {
             })
     }
 
-    /// Returns the part of the range of an axis that is at most half a turn from the hint.
+    /// Returns the part of the range of an axis (counted from 0) that is at most half a turn from the hint.
     fn near_hint(&self, axis: usize) -> Range {
         let (range, hint) = (self.ranges[axis], self.hint[axis]);
         Range {
@@ -243,7 +249,8 @@ impl<'a> Search<'a> {
         }
     }
 
-    /// Returns the arm angles at which a joint enters its range, in order of their distance from the kept arm angle.
+    /// Returns the arm angles (rad) at which a joint enters its range in `ranges`, in order of their distance from the
+    /// arm angle to keep. Unused entries are NaN, at the end.
     fn candidates(&self, ranges: &[Range; 7]) -> [f64; MAX_LIMIT_ARM_ANGLES] {
         let inner = ranges.map(|range| range.shrunk(LIMIT_MARGIN));
         let mut angles = limit_arm_angles(self.reach, &self.circle, &inner);
@@ -256,7 +263,8 @@ impl<'a> Search<'a> {
         wrap(arm_angle - self.nearest.arm_angle).abs()
     }
 
-    /// Returns the solution of `branches` nearest to the hint at an arm angle, with all joints in `ranges`.
+    /// Returns, among `branches`, the solution nearest to the hint at the arm angle `arm_angle` (rad), with all joints
+    /// in `ranges`; `None` if there is none.
     fn at(&self, arm_angle: f64, branches: &[Branch], ranges: &[Range; 7]) -> Option<Solution> {
         if arm_angle.is_nan() {
             return None;
@@ -301,7 +309,8 @@ impl<'a> Search<'a> {
     }
 }
 
-/// Returns the candidate with the smallest distance from the hint; the first one of several.
+/// Returns the candidate whose joint values have the smallest distance from `hint` (largest difference of a joint,
+/// rad); the first one of several equal ones.
 fn nearest(
     candidates: impl Iterator<Item = (Branch, Joints)>,
     hint: &Joints,

@@ -14,17 +14,19 @@ use rustc_hash::FxHashMap;
 use smallvec::SmallVec;
 use std::rc::Rc;
 
-/// Strict primitives with at least this much work are skipped instead of run on stale values.
+/// Bound of work, in elementary operations (the addition of two reals is 1), from which a primitive is skipped while
+/// its inputs are absent. A primitive with less work runs even then, with old input values, and its result is marked as
+/// absent.
 const EXPENSIVE_WORK: u32 = 32;
 
-/// Cache of the operand layouts of primitives.
+/// Cache of the order and sizes of the operands of primitives, by primitive and form.
 #[derive(Default)]
 pub(super) struct OperandLayouts {
     by_form: FxHashMap<(PrimId, Form), Rc<[Operand]>>,
 }
 
 impl OperandLayouts {
-    /// The operands of a primitive in the order of an operation's words.
+    /// Returns the operands of a primitive in a form, in the order of an operation's words.
     fn get(&mut self, prim: PrimId, form: Form) -> Rc<[Operand]> {
         let layout = self.by_form.entry((prim, form));
         let layout = layout.or_insert_with(|| operand_layout(prim.desc(), form).into());
@@ -51,8 +53,10 @@ impl Builder<'_> {
             .collect()
     }
 
-    /// The scope in which a strict primitive runs and the presence of its outputs; `None` if it never runs. Opens a
-    /// new scope if `is_expensive`.
+    /// Returns the scope in which a strict primitive (one that needs all inputs) runs, and the presence register of its
+    /// outputs; `None` if an input is never present, so that the primitive never runs.
+    ///
+    /// If `is_expensive` and the inputs may be absent, a new scope is opened that is skipped while they are.
     pub(super) fn open_guard(
         &mut self,
         id: NodeId,
@@ -72,7 +76,8 @@ impl Builder<'_> {
         }
     }
 
-    /// Closes the scope that [`Builder::open_guard`] opened for a node; does nothing if it opened none.
+    /// Closes the scope that [`Builder::open_guard`] returned for a node. Has no effect if that scope is the one of the
+    /// node's fragment.
     pub(super) fn close_guard(&mut self, id: NodeId, scope: ScopeId) {
         if scope != self.scope_of(id) {
             self.flat.close(scope);
@@ -121,7 +126,8 @@ impl Builder<'_> {
             .collect()
     }
 
-    /// Adds the operation that calls the primitive of a node, with words as laid out by [`rpi_image::operands`].
+    /// Adds the operation that calls the primitive of a node to `scope`. `links` are the flows at the in-ports,
+    /// `outputs` the registers of the out-ports; the operand words have the order of [`rpi_image::operands`].
     fn run(
         &mut self,
         id: NodeId,
@@ -153,14 +159,15 @@ impl Builder<'_> {
     }
 }
 
-/// The out-ports of a node, in the order of their declaration.
+/// Returns references to the out-ports of a node, in the order of their declaration in the primitive.
 pub(super) fn ports(id: NodeId, desc: &'static PrimDesc) -> impl Iterator<Item = PortRef> {
     (0..)
         .zip(desc.outputs)
         .map(move |(port, _)| PortRef { node: id, port })
 }
 
-/// The register of the constant that parameter `k` of a primitive has.
+/// Returns the register of the constant that the parameter with index `k` of a primitive has as value, and its type. A
+/// text parameter has the register for false.
 fn param(registers: &mut Registers, desc: &PrimDesc, k: usize, value: &Value) -> (Flow, Type) {
     let flow = Flow::total(registers.value(value));
     let declared = match desc.params[k].ty {
@@ -170,7 +177,8 @@ fn param(registers: &mut Registers, desc: &PrimDesc, k: usize, value: &Value) ->
     (flow, value.ty().unwrap_or(declared))
 }
 
-/// A register for the state of a node, with its initial content.
+/// Adds a register for the state of a node, with the initial content that the primitive prescribes, and returns it.
+/// `dt` is the period of the command in seconds, on which the size of the state may depend.
 fn state(registers: &mut Registers, node: &Node, dt: f64) -> (Flow, Type) {
     let args = SizeArgs {
         params: &node.params,
@@ -196,7 +204,7 @@ fn state(registers: &mut Registers, node: &Node, dt: f64) -> (Flow, Type) {
     )
 }
 
-/// Length word of an array, or the two shape words of a matrix.
+/// Returns the size words of an operand: (length, 0) for an array, (rows, columns) for a matrix, zeros for a scalar.
 fn sizes(ty: Type) -> [u32; 2] {
     match ty {
         Type::Scalar(_) => [0, 0],
@@ -205,7 +213,8 @@ fn sizes(ty: Type) -> [u32; 2] {
     }
 }
 
-/// True if all inputs are certainly present and the primitive has a form without presences.
+/// Returns true if all inputs of a node are present in every cycle and its primitive has a variant of its code without
+/// presences.
 fn is_total(id: NodeId, builder: &Builder<'_>, links: &[InputFlow]) -> bool {
     let are_present = links.iter().all(|l| l.flow.present == Register::TRUE);
     are_present && builder.net.node(id).prim.prim().total.is_some()

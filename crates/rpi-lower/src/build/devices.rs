@@ -10,7 +10,7 @@ use rpi_image::image::SensorPort;
 use rpi_image::{DeviceUse, Presence, Scalar, Type};
 use rpi_net::NodeId;
 
-/// Lowers a sensor node: adds the device ports that it reads.
+/// Adds the device ports that a sensor node reads to the sensor table, one for each out-port.
 pub(super) fn sensor(builder: &mut Builder<'_>, id: NodeId, device: DeviceUse) {
     for (k, port) in ports(id, builder.desc(id)).enumerate() {
         let flow = builder.external_flow(port);
@@ -21,7 +21,8 @@ pub(super) fn sensor(builder: &mut Builder<'_>, id: NodeId, device: DeviceUse) {
     }
 }
 
-/// Lowers an actuator node: adds the device port and the operation that sets it.
+/// Adds the device port of an actuator node to the actuator table, and the operation that sets it. Adds neither if an
+/// input is never present.
 pub(super) fn actuator(builder: &mut Builder<'_>, id: NodeId, device: DeviceUse) {
     let links = builder.links(id);
     let Some((scope, present)) = builder.open_guard(id, &links, true) else {
@@ -46,7 +47,8 @@ pub(super) fn actuator(builder: &mut Builder<'_>, id: NodeId, device: DeviceUse)
     builder.close_guard(id, scope);
 }
 
-/// Lowers a node that calls a device function: adds the function and the operation that calls it.
+/// Adds the function of a node that calls a device function, such as inverse kinematics, to the function table, and the
+/// operation that calls it. Adds neither if an input is never present.
 pub(super) fn function(builder: &mut Builder<'_>, id: NodeId, device: DeviceUse) {
     let links = builder.links(id);
     let Some((scope, present)) = builder.open_guard(id, &links, true) else {
@@ -80,7 +82,8 @@ pub(super) fn function(builder: &mut Builder<'_>, id: NodeId, device: DeviceUse)
     restrict_presence(builder, id, &outputs, found);
 }
 
-/// Makes the presence of out-ports also depend on `also`.
+/// Makes the presence of a node's out-ports also depend on the Boolean register `also`: a flow in `outputs` then is
+/// present only if its own presence register and `also` are true.
 fn restrict_presence(builder: &mut Builder<'_>, id: NodeId, outputs: &[Flow], also: Register) {
     let scope = builder.scope_of(id);
     for (port, flow) in ports(id, builder.desc(id)).zip(outputs) {
@@ -97,7 +100,8 @@ fn restrict_presence(builder: &mut Builder<'_>, id: NodeId, outputs: &[Flow], al
     }
 }
 
-/// Operand words of an operation: the registers of its connected inputs, then of its outputs.
+/// Returns the operand words of a device access: the value registers of the connected in-ports, then those of the
+/// out-ports.
 fn words(links: &[InputFlow], outputs: &[Flow]) -> Vec<u32> {
     let inputs = links.iter().filter(|l| !l.is_open).map(|l| l.flow);
     inputs
@@ -110,7 +114,7 @@ fn connected_types(links: &[InputFlow]) -> impl Iterator<Item = Type> {
     links.iter().filter(|l| !l.is_open).map(|l| l.ty)
 }
 
-/// Type of the concatenation of several ports.
+/// Returns the type of several values in a row: an array of reals with the slots of all. A single value keeps its type.
 fn concatenated_type(types: impl Iterator<Item = Type>) -> Type {
     let types: Vec<Type> = types.collect();
     match types[..] {

@@ -5,7 +5,8 @@ use rpi_image::image::Signal;
 use rpi_image::{Type, Value};
 use rpi_net::{Net, PortRef};
 
-/// Registers of the value and the presence of a flow.
+/// Registers of one flow of a net: its value, and its presence, which is true in the cycles in which the flow has a
+/// value.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub(super) struct Flow {
     pub(super) value: Register,
@@ -13,13 +14,13 @@ pub(super) struct Flow {
 }
 
 impl Flow {
-    /// Placeholder for a flow that is not built yet.
+    /// Entry for a flow that is not built yet: never present, with the register of the constant 0 as value.
     pub(super) const NONE: Flow = Flow {
         value: Register::FALSE,
         present: Register::FALSE,
     };
 
-    /// A flow that is always present.
+    /// Returns a flow with this value register that is present in every cycle.
     pub(super) const fn total(value: Register) -> Self {
         Flow {
             value,
@@ -27,7 +28,7 @@ impl Flow {
         }
     }
 
-    /// The flow as a signal of the image.
+    /// Returns the flow as a signal of the image, with register numbers in place of memory slots.
     pub(super) fn to_signal(self, ty: Type) -> Signal {
         Signal {
             start: self.value.0,
@@ -37,17 +38,19 @@ impl Flow {
     }
 }
 
-/// The flow that an in-port of a node reads, with its type.
+/// The flow that an in-port of a node reads, as seen from the fragment of the node, with its type.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct InputFlow {
     pub(super) flow: Flow,
     pub(super) ty: Type,
-    /// Whether the input has neither a connection nor a default.
+    /// Whether the in-port has neither a connection nor a constant. Such a port does not count in the decision whether
+    /// all inputs are present.
     pub(super) is_open: bool,
 }
 
 impl InputFlow {
-    /// An input flow that is never present.
+    /// Returns an input flow that is never present, with the neutral value of the type. `is_open` is true if the
+    /// in-port is unconnected.
     pub(super) fn absent(registers: &mut Registers, ty: Type, is_open: bool) -> Self {
         let value = registers.value(&Value::neutral(ty));
         let present = Register::FALSE;
@@ -58,7 +61,7 @@ impl InputFlow {
         }
     }
 
-    /// The input flow for a connection to `flow`.
+    /// Returns the input flow of an in-port that is connected to `flow`.
     pub(super) const fn connected(flow: Flow, ty: Type) -> Self {
         InputFlow {
             flow,
@@ -68,9 +71,9 @@ impl InputFlow {
     }
 }
 
-/// The flow of every out-port of a net; [`Flow::NONE`] until it is built.
+/// Registers of the flows at all out-ports of a net. The entry of a flow that is not built yet is [`Flow::NONE`].
 pub(super) struct FlowTable {
-    /// For each node, the index of its first out-port.
+    /// For each node, the index in `flows` of its first out-port.
     first_output: Vec<u32>,
     flows: Vec<Flow>,
 }

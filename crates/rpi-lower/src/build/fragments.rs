@@ -6,13 +6,14 @@ use crate::registers::{Region, Register};
 use rpi_image::image::{self, SlotRange};
 use rpi_net::{AbsentPolicy, Activation, FragmentId, Net, PortRef, Restart};
 
-/// Scope and activation register of each fragment that has been built so far.
+/// Scopes and activation registers of all fragments, by fragment index. The entry of a fragment that is not built yet
+/// is the root scope and the constant true.
 pub(super) struct FragmentScopes {
-    /// The scope in which each fragment runs.
+    /// For each fragment, the scope that contains its operations.
     scopes: Vec<ScopeId>,
-    /// For each fragment, the register that is true if the fragment is active whenever its parent is.
+    /// For each fragment, the Boolean register that says whether it is active, provided that its parent is.
     active: Vec<Register>,
-    /// Number of entries into each fragment so far.
+    /// For each fragment, how many of the parts into which the schedule divides it have been built so far.
     entry_counts: Vec<u32>,
 }
 
@@ -29,7 +30,7 @@ impl FragmentScopes {
         self.scopes[fragment.index()]
     }
 
-    /// The register that is true if a fragment is active whenever its parent is.
+    /// Returns the Boolean register that says whether a fragment is active, provided that its parent is.
     pub(super) fn active(&self, fragment: FragmentId) -> Register {
         self.active[fragment.index()]
     }
@@ -38,7 +39,7 @@ impl FragmentScopes {
         self.entry_counts[fragment.index()] > 0
     }
 
-    /// Counts an entry into a fragment. Returns the number of entries before it.
+    /// Counts one more part of a fragment that the schedule enters. Returns the number of parts before it.
     pub(super) fn count_entry(&mut self, fragment: FragmentId) -> usize {
         let count = &mut self.entry_counts[fragment.index()];
         *count += 1;
@@ -46,7 +47,8 @@ impl FragmentScopes {
     }
 }
 
-/// One table entry per fragment of the net. The activation is filled in when the fragment is built.
+/// Returns the fragment table of the image, one entry per fragment of the net. At first, each fragment counts as always
+/// active and has no state; building and emission fill in both.
 pub(super) fn fragment_table(net: &Net) -> Vec<image::Fragment> {
     let entry = |id: FragmentId| {
         let fragment = net.fragment(id);
@@ -89,7 +91,8 @@ impl Builder<'_> {
         self.flat.close(scope);
     }
 
-    /// The Boolean that activates a fragment, computed in the scope of its parent.
+    /// Returns the Boolean register that is true while a fragment is active, provided that its parent is. Adds the
+    /// operations that compute it to the scope of the parent.
     fn activity(&mut self, id: FragmentId, parent: FragmentId) -> Register {
         let net = self.net;
         let Activation::When {
@@ -122,8 +125,8 @@ impl Builder<'_> {
         self.flat.scopes[scope.index()].reset = Some((unless, index(id.index())));
     }
 
-    /// True if the fragment was active when its parent last was. It is part of the parent's state, so that a pause of
-    /// the parent does not end the activation of the child.
+    /// Returns a new register that is true if the fragment was active in the last cycle in which its parent was. The
+    /// register is part of the parent's state, so that a pause of the parent does not end the activation of the child.
     fn was_active(&mut self, id: FragmentId, parent: FragmentId) -> Register {
         let was = self.flat.registers.add(Region::State(parent), 1);
         let active = self.fragments.active(id);
@@ -132,7 +135,8 @@ impl Builder<'_> {
         was
     }
 
-    /// Negated restart condition; an absent condition counts as false.
+    /// Returns a Boolean register that is true unless the restart condition of a fragment is present and true. Adds the
+    /// operations that compute it around `scope`, which is the scope of the fragment.
     fn restart_not_requested(
         &mut self,
         condition: PortRef,
@@ -149,7 +153,7 @@ impl Builder<'_> {
         self.logic.not(&mut self.flat, outer, requested)
     }
 
-    /// Adds the copies that store the inputs of all delays for the next cycle.
+    /// Adds the copies at the end of the cycle that store the inputs of all delays for the next cycle.
     pub(super) fn latches(&mut self) {
         for (id, kept) in std::mem::take(&mut self.delays) {
             let link = self.link(id, 0);

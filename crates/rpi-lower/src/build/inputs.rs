@@ -8,7 +8,8 @@ use rpi_net::passes::FlowPresence;
 use rpi_net::{FragmentId, Input, NodeId, PortRef};
 
 impl Builder<'_> {
-    /// The flow at in-port `k` of a node.
+    /// Returns the flow at the in-port with index `k` of a node. An unconnected in-port has a flow that is never
+    /// present.
     pub(super) fn link(&mut self, id: NodeId, k: usize) -> InputFlow {
         let net = self.net;
         let node = net.node(id);
@@ -21,7 +22,8 @@ impl Builder<'_> {
         }
     }
 
-    /// The flow of an input as seen from the fragment `reader`.
+    /// Returns the flow of an input as seen from the fragment `reader`: absent while the fragment that computes it is
+    /// inactive.
     pub(super) fn read(&mut self, input: &Input, reader: FragmentId) -> InputFlow {
         match input {
             Input::Unconnected => {
@@ -36,7 +38,8 @@ impl Builder<'_> {
         }
     }
 
-    /// The flow of an out-port as read in the fragment `reader`: absent while the fragment of the port is inactive.
+    /// Returns the flow of an out-port as seen from the fragment `reader`: absent while the fragment of the port is
+    /// inactive.
     pub(super) fn seen_from(&mut self, port: PortRef, reader: FragmentId) -> InputFlow {
         let ty = self.net.output_type(port);
         if self.plan.presences.own(port) == FlowPresence::Never {
@@ -63,7 +66,7 @@ impl Builder<'_> {
     }
 }
 
-/// Type assumed for a port that is not connected; arrays are empty.
+/// Returns the type that a port without a connection gets; arrays and matrices are empty.
 fn neutral_type(port: PortType) -> Type {
     match port {
         PortType::Scalar(s) => Type::Scalar(s),

@@ -28,7 +28,7 @@ use rpi_net::{FragmentId, Net, NodeId, PortRef};
 use smallvec::SmallVec;
 use std::collections::BTreeMap;
 
-/// Translates a net into the flat representation.
+/// Translates a net into operations on registers in nested scopes, without optimisation.
 pub(crate) fn build(net: &Net, plan: &Plan<'_>, options: &LowerOptions<'_>) -> FlatNet {
     let mut builder = Builder::new(net, plan, options);
     builder.flat.tables.fragments = fragment_table(net);
@@ -41,9 +41,9 @@ pub(crate) fn build(net: &Net, plan: &Plan<'_>, options: &LowerOptions<'_>) -> F
     builder.flat
 }
 
-/// Flows at the in-ports of one node.
+/// Flows that the in-ports of one node read, by index of the in-port.
 type InputFlows = SmallVec<[InputFlow; 4]>;
-/// Flows at the out-ports of one node.
+/// Flows at the out-ports of one node, by index of the out-port.
 type Flows = SmallVec<[Flow; 2]>;
 
 struct Builder<'a> {
@@ -54,9 +54,10 @@ struct Builder<'a> {
     logic: BooleanOps,
     flows: FlowTable,
     fragments: FragmentScopes,
-    /// For each fragment that uses it, the register of the flow `first`, which is true in the first active cycle.
+    /// For each fragment that uses the flow `first`, the register that is true in the first cycle after each reset of
+    /// the fragment.
     first_flows: BTreeMap<FragmentId, Register>,
-    /// Delays, with the registers that keep value and presence.
+    /// Delays, each with the state registers in which its value and presence wait for the next cycle.
     delays: Vec<(NodeId, Flow)>,
     layouts: OperandLayouts,
 }
@@ -77,7 +78,8 @@ impl<'a> Builder<'a> {
         }
     }
 
-    /// Builds the nodes and nested fragments of a fragment that run at its next entry, in schedule order.
+    /// Builds the next part of a fragment: the nodes and nested fragments that the schedule runs at one entry into the
+    /// fragment, in their order.
     fn items(&mut self, fragment: FragmentId) {
         let plan = self.plan;
         let entry = self.fragments.count_entry(fragment);
@@ -109,12 +111,12 @@ impl<'a> Builder<'a> {
         self.net.node(id).desc()
     }
 
-    /// Returns the scope of the fragment that contains a node.
+    /// Returns the scope in which the fragment of a node runs.
     fn scope_of(&self, id: NodeId) -> ScopeId {
         self.fragments.scope(self.net.node(id).fragment)
     }
 
-    /// New registers for the value and the presence of an out-port.
+    /// Adds a register for the value of an out-port and enters it, with `present` as presence, as the flow of the port.
     fn output(&mut self, port: PortRef, present: Register) -> Flow {
         let ty = self.net.output_type(port);
         let value = self.flat.registers.add(Region::Value, ty.slots());
@@ -123,7 +125,8 @@ impl<'a> Builder<'a> {
         flow
     }
 
-    /// A separate presence register for a port that may be forced to be absent, set to `present` before the node runs.
+    /// Returns the presence register of an out-port. A port that a replay may force to be absent gets a register of its
+    /// own, which receives a copy of `present` before the node runs; every other port shares `present`.
     fn forcible_presence(&mut self, scope: ScopeId, port: PortRef, present: Register) -> Register {
         if !(self.options.may_be_absent)(port) {
             return present;

@@ -4,7 +4,8 @@ use super::Builder;
 use rpi_image::image::{CommandEnd, CommandEndKind, Export, NamedResult, Signal};
 use rpi_net::{FragmentId, Input, ResultKind, Termination};
 
-/// Adds results, root ports and exports to the tables, with the values at the end of the cycle.
+/// Adds the exports of the net and its end conditions (results, or the ports for termination and failure) to the
+/// tables, each with the registers of its flow as seen from the root fragment.
 pub(super) fn exports_and_results(builder: &mut Builder<'_>) {
     let net = builder.net;
     for export in &net.exports {
@@ -34,7 +35,7 @@ fn at_root(builder: &mut Builder<'_>, input: &Input) -> Signal {
     link.flow.to_signal(link.ty)
 }
 
-/// Adds a probe for every port of every node.
+/// Adds a probe, an entry that allows observers to read a flow, for every out-port of every node.
 pub(super) fn probes(builder: &mut Builder<'_>) {
     for id in builder.net.node_ids() {
         for port in super::compute::ports(id, builder.desc(id)) {

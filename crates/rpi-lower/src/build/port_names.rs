@@ -4,13 +4,14 @@ use rpi_image::image::DevicePort;
 use rpi_image::{DevicePortNames, DeviceUse, Type, Value};
 use rpi_net::Node;
 
-/// Key of an input or export: its string parameters, joined by `/`.
+/// Returns the key of an input or export node: the values of its text parameters, joined by `/`.
 pub(super) fn key(node: &Node) -> String {
     let texts = node.params.iter().filter_map(Value::as_str);
     texts.collect::<Vec<_>>().join("/")
 }
 
-/// Device port number `k` of a node.
+/// Returns the device port of type `ty` that a node uses. The parameters of the node name the device and the index; `k`
+/// selects one of the port names if the primitive prescribes several.
 pub(super) fn device_port(node: &Node, device: DeviceUse, k: usize, ty: Type) -> DevicePort {
     let text = |name: &str| {
         param(node, name)
@@ -35,7 +36,8 @@ fn param<'n>(node: &'n Node, name: &str) -> Option<&'n Value> {
     node.params.get(node.desc().param(name)?)
 }
 
-/// Value that an input has before it is set; `None` if it is zero.
+/// Returns the slots of the value that an input node has before the host of the command sets it; `None` if all are zero
+/// or the type does not fit.
 pub(super) fn start_value(node: &Node) -> Option<Vec<u64>> {
     let value = param(node, "Value")?;
     let has_type = value.ty() == node.outputs.first().copied();

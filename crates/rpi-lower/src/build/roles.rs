@@ -21,8 +21,9 @@ impl Builder<'_> {
         }
     }
 
-    /// Lowers a delay: copies the kept value to the output. The separate copy allows the kept value to be overwritten
-    /// before the end of the cycle.
+    /// Adds the state registers of a delay node and the copies from them to its output. The separate output allows the
+    /// state to be overwritten before the end of the cycle. The copies into the state are added by
+    /// [`Builder::latches`].
     pub(super) fn delay(&mut self, id: NodeId) {
         let port = PortRef { node: id, port: 0 };
         let node = self.net.node(id);
@@ -81,7 +82,8 @@ impl Builder<'_> {
         self.copy_to_output(id, kept);
     }
 
-    /// Copies a value to a new register for the out-port of a node, so that it can be observed and forced by itself.
+    /// Copies a register to a new register for the single out-port of a node, so that the flow of the node can be
+    /// observed and forced by itself.
     fn copy_to_output(&mut self, id: NodeId, value: Register) {
         let scope = self.scope_of(id);
         let port = PortRef { node: id, port: 0 };
@@ -129,7 +131,8 @@ impl Builder<'_> {
         self.flat.tables.exports.push(image::Export { key, value });
     }
 
-    /// Registers for an out-port that the core sets between cycles, with a presence if the flow may be absent.
+    /// Adds registers for an out-port whose value the core sets between cycles, and returns them. If the flow may be
+    /// absent, the core sets its presence register, too.
     pub(super) fn external_flow(&mut self, port: PortRef) -> Flow {
         let value = self
             .flat

@@ -11,7 +11,8 @@ use rpi_image::Scalar;
 use rpi_image::image::{CommandEnd, Signal};
 use std::fmt::Write;
 
-/// Declares the structs of inputs, outputs and state. `state` lists the state of primitives: C type and name.
+/// Writes the declarations of the C structs `Inputs`, `Outputs` and `State` to `out`. `state` lists the state variables
+/// of primitives, as C type and name.
 pub(super) fn structs(
     variables: &Variables<'_>,
     state: &[(&'static str, String)],
@@ -65,7 +66,8 @@ fn members(
     Ok(())
 }
 
-/// Signals that are set from outside: sensors, inputs, flows of the core.
+/// Returns the signals that the caller of the C function sets before each cycle: sensors, inputs, and flows that the
+/// core provides.
 fn external(variables: &Variables<'_>) -> Vec<Signal> {
     let t = &variables.flat.tables;
     let inputs = t
@@ -79,8 +81,8 @@ fn external(variables: &Variables<'_>) -> Vec<Signal> {
         .collect()
 }
 
-/// Outputs: exports and set-points, each preceded by its presence. Each entry has a name, a C type and a number of
-/// slots.
+/// Returns the fields of the C struct of outputs, as name, C type and number of slots: exports and set-points, each
+/// preceded by a `bool` for its presence.
 fn published(variables: &Variables<'_>) -> Vec<(String, &'static str, u32)> {
     let mut all = Vec::new();
     for export in &variables.flat.tables.exports {
@@ -104,7 +106,7 @@ fn published(variables: &Variables<'_>) -> Vec<(String, &'static str, u32)> {
     all
 }
 
-/// Writes the function `reset`.
+/// Writes the C function `reset`, which sets the state to that before the first cycle, to `out`.
 pub(super) fn reset(variables: &Variables<'_>, out: &mut String) -> std::fmt::Result {
     out.push_str("/* The state before the first cycle. */\nvoid reset(State *state) {\n  *state = (State){0};\n");
     for slot in variables.kept() {
@@ -119,7 +121,8 @@ pub(super) fn reset(variables: &Variables<'_>, out: &mut String) -> std::fmt::Re
     Ok(())
 }
 
-/// Declares the variables that are assigned inside an `if`.
+/// Writes to `out` the declarations, with value 0, of the C variables that are assigned only inside an `if`, and marks
+/// all set-points as absent.
 pub(super) fn guarded_variables(variables: &Variables<'_>, out: &mut String) -> std::fmt::Result {
     for (number, scope) in ops_in_order(variables.flat) {
         if scope == ScopeId::ROOT {
@@ -138,7 +141,7 @@ pub(super) fn guarded_variables(variables: &Variables<'_>, out: &mut String) -> 
     Ok(())
 }
 
-/// Writes the C assignments to the fields of the output struct.
+/// Writes to `out` the C assignments of the exports and of the end of the command to the fields of the output struct.
 pub(super) fn outputs(variables: &Variables<'_>, out: &mut String) -> std::fmt::Result {
     for export in &variables.flat.tables.exports {
         let (name, s) = (identifier(&export.key), export.value);

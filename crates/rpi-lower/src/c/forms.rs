@@ -6,19 +6,21 @@
 
 use rpi_image::image::Form;
 
-/// Template of the C code of a primitive.
+/// Template of the C code of a primitive in one form (with or without presences), with placeholders such as `{a}` for
+/// its operands.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct CForm {
-    /// Registered name of the primitive. A leading `*` matches any type (`*Conditional`).
+    /// Registered name of the primitive, such as `Core::DoubleAdd`. A leading `*` matches any beginning of the name:
+    /// `*Conditional` stands for `Core::DoubleConditional` and others.
     name: &'static str,
     form: Form,
-    /// C types of the state's slots.
+    /// C types of the slots of the primitive's state; empty for a primitive without state.
     pub(super) state: &'static [&'static str],
-    /// C statements before the assignments to the outputs.
+    /// C statements that run before the assignments to the outputs; empty if there are none.
     pub(super) before: &'static str,
-    /// C expressions: one for each output slot, or a single one for all of them.
+    /// C expressions: one for each output slot, counted over all outputs, or a single one that is applied to each slot.
     pub(super) cells: &'static [&'static str],
-    /// C expression for the presence of the output, for the optional form.
+    /// C expression for the presence of the output in the form with presences; empty in the form without.
     pub(super) present: &'static str,
 }
 
@@ -178,7 +180,7 @@ static FORMS: &[CForm] = &[
     ),
 ];
 
-/// The C code of a primitive; `None` if it has no C form.
+/// Returns the C template for a primitive in a form (with or without presences); `None` if it cannot be written as C.
 pub(super) fn form(name: &str, form: Form) -> Option<&'static CForm> {
     let is_form_of = |row: &&CForm| {
         row.form == form
@@ -191,13 +193,14 @@ pub(super) fn form(name: &str, form: Form) -> Option<&'static CForm> {
 }
 
 impl CForm {
-    /// Expression of an output slot, counted over all outputs.
+    /// Returns the C expression for the output slot with index `k`, counted over all outputs of the primitive.
     pub(super) fn cell(&self, k: usize) -> &'static str {
         self.cells.get(k).copied().unwrap_or(self.cells[0])
     }
 }
 
-/// Helper functions of the generated file: integer arithmetic whose overflow sets `fault`.
+/// C helper functions at the beginning of the generated file: integer arithmetic that sets `fault` and returns 0 on
+/// overflow or division by zero.
 pub(super) const PRELUDE: &str = "\
 static int64_t add_int(int64_t a, int64_t b, bool *fault) {
   bool over = (b > 0 && a > INT64_MAX - b) || (b < 0 && a < INT64_MIN - b);

@@ -2,7 +2,7 @@
 
 use rpi_image::Scalar;
 
-/// A constant in C.
+/// Returns the C notation of a constant of type `ty` with these 64 bits.
 pub(super) fn literal(bits: u64, ty: Scalar) -> String {
     match ty {
         Scalar::Bool => if bits != 0 { "true" } else { "false" }.to_owned(),
@@ -12,7 +12,8 @@ pub(super) fn literal(bits: u64, ty: Scalar) -> String {
     }
 }
 
-/// A real constant in C.
+/// Returns the C notation of a real constant. A negative number is put in parentheses, so that a minus sign can precede
+/// it.
 pub(super) fn real_literal(v: f64) -> String {
     if v.is_nan() {
         return "NAN".to_owned();

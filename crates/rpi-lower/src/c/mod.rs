@@ -20,11 +20,10 @@ use crate::{build, passes};
 use rpi_diag::{Code, Diagnostic};
 use rpi_net::Net;
 
-/// Translates a net to the text of a C99 file.
+/// Translates a net to the text of a C99 file with a function `step` that computes one cycle.
 ///
 /// # Errors
-///
-/// Returns one diagnostic for each primitive without a C form.
+/// Returns one diagnostic for each kind of primitive that cannot be written as C.
 pub fn emit_c(
     net: &Net,
     plan: &Plan<'_>,
@@ -43,8 +42,8 @@ pub fn emit_c(
     }
     let diagnostic = |(prim, span): (&str, rpi_diag::Span)| {
         Diagnostic::new(Code::RPI9101, format!("`{prim}` cannot be written as C"))
-            .primary(span, "used here")
-            .help("run the net itself, or leave this part of it out")
+            .primary(span, "there is no C code for this primitive")
+            .help("run the net with `rpi run`, which supports every primitive, or leave this primitive out")
     };
     Err(missing.into_iter().map(diagnostic).collect())
 }

@@ -5,13 +5,15 @@ use crate::registers::{Region, Register};
 use rpi_net::{Net, NodeId};
 use std::collections::{HashMap, HashSet};
 
-/// Names of the C variables into which registers are translated.
+/// Names of the C variables into which registers are translated, derived from the names of nodes. A register without an
+/// entry is named by its number.
 pub(super) struct VariableNames {
     names: HashMap<Register, String>,
 }
 
 impl VariableNames {
-    /// Names derived from the ports of nodes. Equal names are numbered.
+    /// Derives the names from the paths of the nodes whose out-ports the registers hold. A number is appended to a name
+    /// that is already used.
     pub(super) fn new(net: &Net, flat: &FlatNet) -> Self {
         let mut taken = HashSet::new();
         let mut names = HashMap::new();
@@ -35,7 +37,8 @@ impl VariableNames {
         VariableNames { names }
     }
 
-    /// The C variable of memory slot `k` of a register.
+    /// Returns the C expression for the memory slot with index `k` of a register: a local variable, or a field of `in`
+    /// or `state`.
     pub(super) fn cell(&self, flat: &FlatNet, slot: Register, k: u32) -> String {
         let name = match self.names.get(&slot) {
             Some(name) => name.clone(),
@@ -53,8 +56,8 @@ impl VariableNames {
     }
 }
 
-/// Converts a name to letters, digits and underscores. The result is never a C keyword, because it contains an
-/// underscore or ends in a digit.
+/// Converts a text to a C identifier of letters, digits and underscores. The result is never a C keyword, because it
+/// contains an underscore or ends in a digit.
 pub(super) fn identifier(text: &str) -> String {
     let plain = text
         .chars()
@@ -70,7 +73,8 @@ pub(super) fn identifier(text: &str) -> String {
     format!("{prefix}{plain}{suffix}")
 }
 
-/// Name of element `k` of a variable with `cells` elements.
+/// Returns the name of the C variable for element `k` of a value with `cells` elements: `name_k`, or `name` alone for a
+/// single element.
 pub(super) fn indexed(name: &str, cells: u32, k: u32) -> String {
     match cells {
         1 => name.to_owned(),

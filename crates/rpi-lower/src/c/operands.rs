@@ -9,18 +9,20 @@ use rpi_image::image::Form;
 use rpi_image::operands::{OperandRole, operand_layout};
 use rpi_image::{PrimDesc, Scalar};
 
-/// C operands of one operation.
+/// Operands of one primitive call, as needed to fill the placeholders of its C template.
 pub(super) struct Operands {
-    /// Inputs, then parameters: register, type and presence register of each.
+    /// Inputs, then parameters: value register, type and presence register of each. `None` as presence means always
+    /// present.
     inputs: Vec<(Register, Scalar, Option<Register>)>,
-    /// Outputs: value register and presence register of each.
+    /// Value register and presence register of each output; `None` in the form of the primitive without presences.
     pub(super) outputs: Vec<(Register, Option<Register>)>,
-    /// C name of the state; empty if the operation has none.
+    /// C expression for the state of the primitive, such as `state->s5`; empty if it has none.
     pub(super) state: String,
 }
 
 impl Operands {
-    /// The operands of a call of a primitive.
+    /// Extracts the operands of the primitive call `op`. `desc` and `form` are the primitive and the form of its code
+    /// that the operation calls.
     pub(super) fn new(flat: &FlatNet, op: Op, desc: &'static PrimDesc, form: Form) -> Operands {
         let mut operands = Operands {
             inputs: Vec::new(),
@@ -43,17 +45,18 @@ impl Operands {
     }
 }
 
-/// Context for filling the placeholders of a C template with operands.
+/// Variables and times that the placeholders of a C template are replaced by.
 pub(super) struct Template<'a> {
     pub(super) variables: Variables<'a>,
-    /// Period of the command in seconds.
+    /// Period of the command in seconds, the value of the placeholder `{dt}`.
     pub(super) dt: f64,
-    /// Duration of a tick in nanoseconds.
+    /// Duration of a tick of the core in nanoseconds, the value of the placeholder `{tick}`.
     pub(super) tick_ns: u64,
 }
 
 impl Template<'_> {
-    /// Returns a C template with its placeholders in braces replaced by the operands; `k` is the output slot.
+    /// Returns the C template `form` with its placeholders in braces replaced. A placeholder without a slot number
+    /// stands for slot `k` of its operand.
     pub(super) fn fill(&self, form: &str, operands: &Operands, k: u32) -> String {
         let mut out = String::new();
         let mut rest = form;

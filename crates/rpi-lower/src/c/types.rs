@@ -7,7 +7,7 @@ use rpi_image::image::Signal;
 use rpi_image::operands::{OperandRole, operand_layout};
 use rpi_image::{ParamType, PortType, PrimDesc, Scalar, Type};
 
-/// C type of one memory slot of a value.
+/// Returns the C type of one memory slot of a value whose elements have this type.
 pub(super) const fn c_type(scalar: Scalar) -> &'static str {
     match scalar {
         Scalar::Bool => "bool",
@@ -16,7 +16,7 @@ pub(super) const fn c_type(scalar: Scalar) -> &'static str {
     }
 }
 
-/// Scalar of a type; the element type for arrays.
+/// Returns the scalar type of a value: the type itself, or the element type of an array or a matrix.
 pub(super) const fn scalar(ty: Type) -> Scalar {
     match ty {
         Type::Scalar(s) | Type::Array(s, _) => s,
@@ -24,7 +24,8 @@ pub(super) const fn scalar(ty: Type) -> Scalar {
     }
 }
 
-/// The scalar type of each register. Registers of unknown type are presences, which are Boolean.
+/// Infers the scalar type of each register, by register number. Registers whose type cannot be inferred are presences
+/// and count as Boolean.
 pub(super) fn types(flat: &FlatNet) -> Vec<Scalar> {
     let mut types = vec![Scalar::Bool; flat.registers.len()];
     let mut set = |s: Signal| types[s.start as usize] = scalar(s.ty);
@@ -83,7 +84,8 @@ const fn port(ty: PortType) -> Scalar {
     }
 }
 
-/// Type of an operand, from which the C notation of a constant follows.
+/// Returns the scalar type that a primitive declares for one of its operands; it determines the C notation of a
+/// constant.
 pub(super) const fn expected(desc: &PrimDesc, part: OperandRole) -> Scalar {
     match part {
         OperandRole::Input(k) => port(desc.inputs[k].ty),

@@ -8,7 +8,7 @@ use crate::registers::{Region, Register};
 use rpi_image::Scalar;
 use rpi_net::Net;
 
-/// Names and types of the registers of a flat net.
+/// C names and types of the registers of a flat net.
 pub(super) struct Variables<'a> {
     pub(super) flat: &'a FlatNet,
     names: VariableNames,
@@ -24,17 +24,18 @@ impl<'a> Variables<'a> {
         }
     }
 
-    /// The type of a register's slots.
+    /// Returns the scalar type of each slot of a register.
     pub(super) fn ty(&self, slot: Register) -> Scalar {
         self.types[slot.index()]
     }
 
-    /// The C variable of slot `k` of a register.
+    /// Returns the C expression for the memory slot with index `k` of a register that is not a constant.
     pub(super) fn name(&self, slot: Register, k: u32) -> String {
         self.names.cell(self.flat, slot, k)
     }
 
-    /// Registers in which delays keep their state, in order.
+    /// Returns the registers that receive a value at the end of a cycle for the next one, such as the state of delays,
+    /// in ascending order. The state of primitives is not among them.
     pub(super) fn kept(&self) -> Vec<Register> {
         let latched = self
             .flat
@@ -47,12 +48,13 @@ impl<'a> Variables<'a> {
         kept
     }
 
-    /// The C expression for a Boolean register.
+    /// Returns the C expression for a Boolean register: a variable, `true` or `false`.
     pub(super) fn bool(&self, slot: Register) -> String {
         self.cell(slot, 0, Scalar::Bool)
     }
 
-    /// The C expression for slot `k` of a register: a variable or a constant.
+    /// Returns the C expression for the memory slot with index `k` of a register: a variable, or a literal of type `ty`
+    /// if the register is a constant.
     pub(super) fn cell(&self, slot: Register, k: u32, ty: Scalar) -> String {
         if self.flat.registers.region(slot) != Region::Constant {
             return self.name(slot, k);

@@ -19,7 +19,8 @@ use rpi_prims::PrimId;
 use std::collections::BTreeMap;
 use std::fmt::Write;
 
-/// Operations without a C form, each with the first place of its use.
+/// Returns the names of the primitives that cannot be written as C, in alphabetical order, each with the source
+/// location of its first use. All device functions count as one primitive.
 pub(super) fn unsupported(net: &Net, flat: &FlatNet) -> Vec<(&'static str, Span)> {
     let mut missing = BTreeMap::new();
     for (number, _) in ops_in_order(flat) {
@@ -42,7 +43,7 @@ pub(super) fn unsupported(net: &Net, flat: &FlatNet) -> Vec<(&'static str, Span)
     missing.into_iter().collect()
 }
 
-/// Writes the C file.
+/// Returns the text of the C file for a net: declarations, `reset` and `step`.
 pub(super) fn write(net: &Net, flat: &FlatNet, options: &LowerOptions<'_>) -> String {
     let template = Template {
         variables: Variables::new(net, flat),
@@ -64,7 +65,7 @@ pub(super) fn write(net: &Net, flat: &FlatNet, options: &LowerOptions<'_>) -> St
 struct CWriter<'a> {
     net: &'a Net,
     template: Template<'a>,
-    /// State variables of primitives: C type and name.
+    /// State variables of the primitives written so far, as C type and name of the struct field.
     state: Vec<(&'static str, String)>,
     body: String,
 }
@@ -88,7 +89,8 @@ impl CWriter<'_> {
         Ok(out)
     }
 
-    /// Writes the C statements of a scope.
+    /// Appends the C statements of a scope, with an `if` around them unless it is always active. `depth` is the number
+    /// of indentation levels.
     fn body(&mut self, id: ScopeId, depth: usize) {
         let flat = self.template.variables.flat;
         let scope = &flat.scopes[id.index()];
@@ -120,7 +122,8 @@ impl CWriter<'_> {
         depth + 1
     }
 
-    /// Writes the C statements that restore the initial state of a fragment and of the fragments inside it.
+    /// Appends the C statements that restore the initial state of the delays in a fragment and in the fragments inside
+    /// it. `fragment` is the index of the fragment, `depth` the number of indentation levels.
     fn restart(&mut self, fragment: u32, depth: usize) {
         let inside = |mut f: u32| loop {
             if f == fragment {
@@ -240,7 +243,8 @@ impl CWriter<'_> {
         self.line(depth, &line);
     }
 
-    /// Writes the C assignments to the state of delays, after everything else was computed.
+    /// Appends the C assignments to the state of the delays in a scope and the scopes inside it. They come after all
+    /// computations of the cycle.
     fn latches(&mut self, id: ScopeId, depth: usize) {
         let flat = self.template.variables.flat;
         let scope = &flat.scopes[id.index()];

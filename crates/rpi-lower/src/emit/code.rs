@@ -11,7 +11,8 @@ use rpi_image::image::{ActuatorPort, DeviceFunction, Form, PrimUse, SlotRange, S
 use rpi_prims::PrimId;
 use rustc_hash::FxHashMap;
 
-/// Writes the evaluation steps and the commit steps.
+/// Writes the steps of the evaluation phase and of the commit phase, which stores values for the next cycle, to
+/// `image`.
 pub(super) fn write(
     flat: &FlatNet,
     layouts: &MemoryLayout,
@@ -34,9 +35,11 @@ pub(super) fn write(
 struct Writer<'a> {
     flat: &'a FlatNet,
     layouts: &'a MemoryLayout,
-    /// Whether consecutive calls of the same primitive are merged into one step.
+    /// Whether consecutive calls of the same primitive are merged into one step. False if every port must be
+    /// observable, which needs a step for each node.
     merges_rows: bool,
-    /// Index of the first step that a later step may be merged with: the one after the last jump or jump target.
+    /// Index of the first step that a later step may be merged with: the step after the last jump or jump target.
+    /// Merging across a jump target would change the code that a jump skips.
     merge_start: usize,
     image: &'a mut Image,
     prims: FxHashMap<PrimId, u16>,
@@ -60,7 +63,8 @@ impl Writer<'_> {
         self.close_skip(skip);
     }
 
-    /// Sets the target of an open skip to the current end. Removes the skip if nothing follows it.
+    /// Sets the target of the jump step with index `skip` to the end of the steps so far. Removes the jump if it would
+    /// skip no step. Has no effect for `None`.
     fn close_skip(&mut self, skip: Option<usize>) {
         let steps = &mut self.image.steps;
         if skip.is_some_and(|at| at + 1 == steps.len()) {
@@ -72,8 +76,10 @@ impl Writer<'_> {
         self.merge_start = self.image.steps.len();
     }
 
-    /// Emits a jump over the steps that follow, taken unless `guard` is true, and returns its index; `None` for a guard
-    /// that is always true, which needs no jump.
+    /// Adds a jump over the steps that follow, taken unless `guard` is true, and returns its index. The target is set
+    /// later. `None` for a guard that is always true, which needs no jump.
+    ///
+    /// `steps` selects the list of steps of the image: evaluation or commit.
     fn open_skip(
         &mut self,
         guard: Register,
@@ -165,7 +171,7 @@ impl Writer<'_> {
         SlotRange { start: at, len }
     }
 
-    /// Emits operand words with registers replaced by memory slots.
+    /// Appends the operand words of a primitive call to the code of the image, with registers replaced by memory slots.
     fn words(&mut self, prim: PrimId, form: Form, words: &[u32]) {
         let shape = self.flat.accesses.get(prim, form);
         let cell = |(word, access): (&u32, &Access)| match access {
@@ -195,8 +201,8 @@ impl Writer<'_> {
         })
     }
 
-    /// Emits the steps that store values for the next cycle, for a scope and the scopes inside it. Returns true if
-    /// there were any.
+    /// Appends the commit steps, which copy values for the next cycle, for a scope and the scopes inside it. Returns
+    /// true if there were any.
     fn commit(&mut self, id: ScopeId) -> bool {
         let flat = self.flat;
         let scope = &flat.scopes[id.index()];
@@ -226,7 +232,7 @@ impl Writer<'_> {
     }
 }
 
-/// Sets the target of an open skip to the current end.
+/// Sets the target of the jump step with index `skip` to the end of `steps`. Has no effect for `None`.
 fn land(steps: &mut [Step], skip: Option<usize>) {
     let end = index(steps.len());
     if let Some(Step::Skip { target: to, .. }) = skip.and_then(|at| steps.get_mut(at)) {
@@ -234,8 +240,8 @@ fn land(steps: &mut [Step], skip: Option<usize>) {
     }
 }
 
-/// Merges a step into the previous one if both are calls of the same primitive, or copies. Their operand words are
-/// adjacent.
+/// Merges a step into the previous step `last` if both are calls of the same primitive in the same form, or both are
+/// copies, and their operand words are adjacent. Returns whether the steps were merged.
 fn try_merge(last: Option<&mut Step>, step: Step) -> bool {
     match (last, step) {
         (

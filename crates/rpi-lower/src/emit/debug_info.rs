@@ -34,7 +34,7 @@ pub(super) fn write(
     image.debug.locations = places.places;
 }
 
-/// Source locations of the nodes that the image refers to, each stored once.
+/// Source locations of the nodes that the image refers to, one entry per node.
 struct LocationTable<'a> {
     net: &'a Net,
     known: FxHashMap<NodeId, u32>,
@@ -65,7 +65,8 @@ fn location(net: &Net, id: NodeId) -> SourceLocation {
     }
 }
 
-/// Emits the probes. With everything observed, location `k` belongs to node `k`.
+/// Adds the probes, the ports that observers can read, to the image. If every port is observable, the source location
+/// with index `k` belongs to the node with index `k`.
 fn probes(net: &Net, flat: &FlatNet, layouts: &MemoryLayout, image: &mut Image) {
     for &(place, port, signal) in &flat.tables.probes {
         let node = net.node(NodeId(place));
@@ -82,7 +83,8 @@ fn probes(net: &Net, flat: &FlatNet, layouts: &MemoryLayout, image: &mut Image) 
     }
 }
 
-/// Emits the node of every operation and sensor that may fault, by its first output slot.
+/// Adds to the image, for every operation and sensor that may raise a fault, the source location of its node under the
+/// first memory slot that it writes.
 fn origins(
     flat: &FlatNet,
     layouts: &MemoryLayout,
@@ -103,7 +105,8 @@ fn origins(
     image.debug.origins = found.into_iter().map(place).collect();
 }
 
-/// The register that identifies a fault of an operation: the first that it writes, or else the first that it reads.
+/// Returns the register by which the core identifies an operation that raised a fault: the first that it writes, or
+/// else the first that it reads. `None` if the operation cannot fault.
 fn fault_slot(flat: &FlatNet, op: Op) -> Option<Register> {
     match op.kind {
         OpKind::Run(prim, _) if prim.desc().may_fault => flat.writes(op).next(),

@@ -5,11 +5,11 @@ use crate::registers::{Region, Register, Registers};
 use rpi_image::image::{Layout, SlotRange};
 use rpi_net::{FragmentId, Net};
 
-/// Memory slots of all registers.
+/// Assignment of memory slots to all registers of a net.
 pub(super) struct MemoryLayout {
     at: Vec<u32>,
     pub(super) layout: Layout,
-    /// For each fragment, the memory slots of its state and of all fragments inside it.
+    /// For each fragment, the range of memory slots that holds its state and that of all fragments inside it.
     pub(super) states: Vec<SlotRange>,
 }
 
@@ -49,12 +49,12 @@ impl MemoryLayout {
         layouts
     }
 
-    /// First memory slot of a register.
+    /// Returns the index of the first memory slot of a register.
     pub(super) fn slot(&self, slot: Register) -> u32 {
         self.at[slot.index()]
     }
 
-    /// Initial contents, in ascending order of slots.
+    /// Returns the initial contents of memory that are not zero, as slot index and bits, in ascending order of slots.
     pub(super) fn init(&self, flat: &FlatNet) -> Vec<(u32, u64)> {
         let cells = flat
             .registers
@@ -66,7 +66,8 @@ impl MemoryLayout {
     }
 }
 
-/// All registers in the order of their memory: constants, external values, state by fragment, other values.
+/// Returns all registers in the order in which they lie in memory: constants, external values, state by fragment, other
+/// values. `ranks` gives the order of the fragments.
 fn order(slots: &Registers, ranks: &[(u32, u32)]) -> Vec<Register> {
     let all = (0..).take(slots.len()).map(Register);
     let of = |region: Region| all.clone().filter(move |s| slots.region(*s) == region);
@@ -83,7 +84,8 @@ fn order(slots: &Registers, ranks: &[(u32, u32)]) -> Vec<Register> {
     order
 }
 
-/// For each fragment, its position in a depth-first traversal and the position after its last descendant.
+/// Returns, for each fragment, its position in a depth-first traversal of the fragments and the position after its last
+/// descendant.
 fn ranks(net: &Net) -> Vec<(u32, u32)> {
     let mut size = vec![1u32; net.fragments.len()];
     for id in net.fragment_ids().rev() {
@@ -108,7 +110,9 @@ fn ranks(net: &Net) -> Vec<(u32, u32)> {
     ranks
 }
 
-/// State of each fragment including all fragments inside it. The depth-first order makes it contiguous.
+/// Returns, for each fragment, the smallest range of memory slots that contains its own state and that of all fragments
+/// inside it. It contains no other state, because the registers lie in depth-first order. `own` is the range of each
+/// fragment's own state.
 fn with_descendants(net: &Net, own: Vec<SlotRange>) -> Vec<SlotRange> {
     let mut all = own;
     for k in (1..all.len()).rev() {
@@ -120,7 +124,7 @@ fn with_descendants(net: &Net, own: Vec<SlotRange>) -> Vec<SlotRange> {
     all
 }
 
-/// Extends a range to the smallest one that contains both.
+/// Extends the range `all` to the smallest range that contains both. An empty range contributes no slots.
 fn extend_range(all: &mut SlotRange, more: SlotRange) {
     if all.len == 0 {
         *all = more;

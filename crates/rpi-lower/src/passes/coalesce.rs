@@ -36,7 +36,8 @@ pub(super) fn coalesce(flat: &mut FlatNet, _: CycleTime) {
     renames.apply(flat);
 }
 
-/// Lets the operations that compute a coalesced register write its replacement.
+/// Replaces the registers that operations write, so that an operation whose result a delay stores writes the state of
+/// the delay directly.
 fn redirect_writers(flat: &mut FlatNet, renames: &Substitution) {
     for number in 0..flat.ops.len() {
         let op = flat.ops[number];
@@ -44,10 +45,10 @@ fn redirect_writers(flat: &mut FlatNet, renames: &Substitution) {
     }
 }
 
-/// First writer and last reader of each register, as positions in the order of execution.
+/// Writer and last reader of each register, as positions in the order in which the operations run.
 struct AccessOrder {
     writers: Writers,
-    /// For each register, the position of its last reader.
+    /// For each register, the position of the last operation that reads it; 0 if none does.
     last_read: Vec<u32>,
     read_late: Vec<bool>,
 }
@@ -79,7 +80,8 @@ impl AccessOrder {
     }
 }
 
-/// True if the operation reads all inputs before it writes and its faults are not identified by its output slot.
+/// Returns true if the operation reads all inputs before it writes its output, and no fault is reported under its
+/// output slot. Only then may it write a register that it also reads.
 fn reads_before_writing(flat: &FlatNet, op: Op) -> bool {
     match op.kind {
         OpKind::Run(prim, _) => {

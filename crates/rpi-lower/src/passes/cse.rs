@@ -39,7 +39,7 @@ pub(super) fn eliminate(flat: &mut FlatNet, _: CycleTime) {
 const NONE: u32 = u32::MAX;
 
 /// Table of the operations visited so far, hashed by kind and inputs. Equal operations in scopes that do not enclose
-/// each other form a chain.
+/// each other form a chain: `next` has the index of the following one.
 struct VisitedOps {
     first: HashTable<u32>,
     next: Vec<u32>,
@@ -55,8 +55,8 @@ impl VisitedOps {
         }
     }
 
-    /// Returns an equal operation that runs whenever this one does. If there is none, enters this operation into the
-    /// table.
+    /// Returns the index of an earlier operation that is equal to operation `number` and runs whenever `scope` is
+    /// active. If there is none, enters the operation into the table and returns `None`.
     fn find_or_insert(&mut self, flat: &FlatNet, number: u32, scope: ScopeId) -> Option<u32> {
         let op = |number: u32| flat.ops[number as usize];
         self.scope[number as usize] = scope;
@@ -98,7 +98,7 @@ fn same(flat: &FlatNet, a: Op, b: Op) -> bool {
     a.kind == b.kind && inputs(flat, a).eq(inputs(flat, b))
 }
 
-/// Operand words that determine the result of an operation: all but the written ones.
+/// Returns the operand words that determine the result of an operation: all but those of the registers that it writes.
 fn inputs(flat: &FlatNet, op: Op) -> impl Iterator<Item = u32> + '_ {
     let shape = flat.accesses.op_accesses(op);
     let words = flat.words(op).iter().enumerate();
@@ -106,7 +106,8 @@ fn inputs(flat: &FlatNet, op: Op) -> impl Iterator<Item = u32> + '_ {
     read.map(|(_, word)| *word)
 }
 
-/// True for operations without state and devices. Equal inputs give equal outputs within a cycle, including faults.
+/// Returns true for operations without state and devices: equal inputs give equal outputs within a cycle, including
+/// faults.
 fn is_pure(op: Op) -> bool {
     match op.kind {
         OpKind::Run(prim, _) => matches!(prim.desc().state, StateSize::None),

@@ -34,7 +34,8 @@ pub(super) fn remove(flat: &mut FlatNet, _: CycleTime) {
     remove_empty_scopes(flat);
 }
 
-/// True for operations that must run even if their outputs are not read, such as device accesses.
+/// Returns true for operations that must run even if their outputs are not read: those that may raise a fault, and
+/// set-points.
 fn has_effect(op: Op) -> bool {
     match op.kind {
         OpKind::Run(prim, _) => prim.desc().may_fault,
@@ -49,8 +50,8 @@ struct Liveness<'a> {
     scopes: Vec<bool>,
     waiting: Vec<Register>,
     writers: &'a Writers,
-    /// For each register that keeps a value for the next cycle, the register that it is copied from, and the scope of
-    /// the copy.
+    /// For each register that receives a value at the end of the cycle for the next one: the register that is copied,
+    /// and the scope of the copy.
     latch: FxHashMap<Register, (Register, ScopeId)>,
 }
 
@@ -89,7 +90,8 @@ impl<'a> Liveness<'a> {
         self.mark_scope(flat, scope);
     }
 
-    /// Marks the guards and reset conditions of a scope and of the scopes around it as live.
+    /// Marks as live the guards and reset conditions of a scope and of all scopes around it, because they decide
+    /// whether it runs.
     fn mark_scope(&mut self, flat: &FlatNet, scope: ScopeId) {
         let mut at = Some(scope);
         while let Some(s) = at.filter(|s| !self.scopes[s.index()]) {
@@ -126,7 +128,7 @@ impl<'a> Liveness<'a> {
     }
 }
 
-/// Removes sensors and core flows that are not read.
+/// Removes sensors and core flows that no operation or output reads. `alive` says for each register whether it is read.
 fn prune_tables(flat: &mut FlatNet, alive: &[bool]) {
     let t = &mut flat.tables;
     let constant = |s: u32| flat.registers.region(Register(s)) == Region::Constant;
@@ -141,7 +143,7 @@ fn prune_tables(flat: &mut FlatNet, alive: &[bool]) {
     }
 }
 
-/// Removes scopes that contain neither steps nor latches from the scopes around them.
+/// Removes scopes that contain neither items nor copies for the next cycle from the scopes around them.
 fn remove_empty_scopes(flat: &mut FlatNet) {
     for k in (0..flat.scopes.len()).rev() {
         let keep: Vec<bool> = flat.scopes[k]

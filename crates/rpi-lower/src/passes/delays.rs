@@ -10,10 +10,11 @@ use rpi_image::image::{CommandEnd, Form};
 use rpi_prims::{CycleTime, PrimId};
 use rustc_hash::FxHashMap;
 
-/// Moves a constant first value into the initial content of its delay.
+/// Turns a constant first value of a delay into the initial content of its state.
 ///
-/// `first ? k : pre x` and `null(pre x) ? k : pre x` of the reference system become a `pre x` with initial content `k`.
-/// The choice selects the constant exactly in those cycles in which the delay still has its initial content.
+/// In imported nets, a first value `k` has the form `first ? k : pre x` or `null(pre x) ? k : pre x`. Both become a
+/// `pre x` with initial content `k`, because the choice selects the constant exactly in those cycles in which the delay
+/// still has its initial content.
 pub(super) fn fold_initial_values(flat: &mut FlatNet, _: CycleTime) {
     let known = DelayFacts::new(flat);
     let mut renames = Substitution::new(flat);
@@ -42,8 +43,8 @@ pub(super) fn fold_initial_values(flat: &mut FlatNet, _: CycleTime) {
     drop_ops(flat, &dropped);
 }
 
-/// Removes the copies from the state of delays to their outputs where only operations read the outputs. These then read
-/// the state itself, which the commit phase overwrites only after all operations have run.
+/// Removes the copy from the state of a delay to its output if only operations read the output. These operations then
+/// read the state itself, which the commit phase overwrites only after all operations have run.
 pub(super) fn read_state_directly(flat: &mut FlatNet, _: CycleTime) {
     let read_late = read_outside_ops(flat);
     let mut renames = Substitution::new(flat);
@@ -61,7 +62,8 @@ pub(super) fn read_state_directly(flat: &mut FlatNet, _: CycleTime) {
     drop_ops(flat, &dropped);
 }
 
-/// For each register, whether anything but operations reads it: tables of the image, guards or resets.
+/// Returns, for each register, whether it is read other than by an operation: by an export, an end condition, a guard,
+/// a reset or a copy at the end of the cycle.
 pub(super) fn read_outside_ops(flat: &FlatNet) -> Vec<bool> {
     let mut late = vec![false; flat.registers.len()];
     for scope in &flat.scopes {
@@ -84,7 +86,8 @@ pub(super) fn read_outside_ops(flat: &FlatNet) -> Vec<bool> {
     late
 }
 
-/// The registers (state, output) of the copy with which a delay outputs its state; `None` for other operations.
+/// Returns the registers (state, output) of the copy with which a delay outputs its state; `None` if the operation is
+/// not such a copy.
 fn delay(flat: &FlatNet, op: Op) -> Option<(Register, Register)> {
     let words = flat.words(op);
     let (from, to) = (Register(*words.first()?), Register(*words.get(1)?));
@@ -92,29 +95,29 @@ fn delay(flat: &FlatNet, op: Op) -> Option<(Register, Register)> {
     (op.kind == OpKind::Copy && kept).then_some((from, to))
 }
 
-/// Gives one register the initial content of another.
+/// Gives the register `to` the initial content of the register `from`.
 fn copy_initial(flat: &mut FlatNet, from: Register, to: Register) {
     let mut content = Vec::new();
     flat.registers.append_initial(from, &mut content);
     flat.registers.set_initial(to, &content);
 }
 
-/// A choice between a constant and a delayed value.
+/// Choice between a constant, in the first cycle, and the output of a delay, in all later ones.
 struct InitialChoice {
     delayed: Register,
     constant: Register,
 }
 
-/// Facts about the registers around delays, valid until the net is changed.
+/// Facts about the registers around delays, valid for the net from which they were computed.
 struct DelayFacts {
-    /// For each register that is the output of a delay, the state register of the delay.
+    /// For each register, the state register of the delay whose output it is; `None` for all other registers.
     state_of: Vec<Option<Register>>,
-    /// For each register that keeps a value for the next cycle, the register that it copies.
+    /// For each register that receives a value at the end of the cycle for the next one, the register that is copied
+    /// into it.
     latched: FxHashMap<Register, Register>,
-    /// For each register computed by a negation, the negated register.
+    /// For each register computed by a negation, the operand of the negation.
     negated: FxHashMap<Register, Register>,
-    /// For each register, whether it is read other than as the alternative to a constant in a choice that depends on
-    /// `first`.
+    /// For each register, whether it has a reader that is not a choice of the form `first ? constant : register`.
     has_other_readers: Vec<bool>,
 }
 
@@ -165,8 +168,8 @@ impl DelayFacts {
             .or_else(|| self.behind_null(flat, op))
     }
 
-    /// Matches an operation of the form `first ? k : pre x`. Valid only if the `pre` has no other reader, which would
-    /// see the changed initial content.
+    /// Returns the parts of an operation of the form `first ? k : pre x`; `None` for all other operations. The choice
+    /// may be replaced only if the `pre` has no other reader, which would see the changed initial content.
     fn behind_first(&self, flat: &FlatNet, op: Op) -> Option<InitialChoice> {
         let OpKind::Run(prim, Form::Total) = op.kind else {
             return None;
@@ -181,8 +184,8 @@ impl DelayFacts {
         (is_first && alike).then_some(choice)
     }
 
-    /// Matches an operation of the form `null(pre x) ? k : pre x` for an x that is always present: the `pre` is absent
-    /// exactly while it has its initial content.
+    /// Returns the parts of an operation of the form `null(pre x) ? k : pre x` with an x that is always present; `None`
+    /// for all other operations. Such a `pre` is absent exactly while it has its initial content.
     fn behind_null(&self, flat: &FlatNet, op: Op) -> Option<InitialChoice> {
         let OpKind::Run(prim, Form::Optional) = op.kind else {
             return None;
@@ -196,7 +199,8 @@ impl DelayFacts {
         (sure == Register::TRUE && other == Register::TRUE && null && total).then_some(choice)
     }
 
-    /// Matches a choice between a constant and a delay; `at` are the word indices of condition, constant and delay.
+    /// Returns the condition and the alternatives of a choice between a constant and the output of a delay; `None` for
+    /// all other operations. `at` has the indices of the operand words of condition, constant and delay.
     fn alternative(
         &self,
         flat: &FlatNet,

@@ -38,7 +38,8 @@ pub(super) fn fold(flat: &mut FlatNet, clock: CycleTime) {
 struct Fold {
     renames: Substitution,
     dropped: Vec<bool>,
-    /// The outermost enclosing scope that is never active, if any (at most one entry).
+    /// The outermost of the scopes around the current operation that are never active; empty if all may be active. At
+    /// most one entry.
     never_active: Vec<ScopeId>,
     clock: CycleTime,
 }
@@ -51,7 +52,8 @@ impl Fold {
         }
     }
 
-    /// Drops an operation that never runs. Its outputs keep their initial value 0.
+    /// Drops an operation in a scope that is never active. Readers of its outputs get the constant 0, the initial
+    /// value.
     fn drop_dead_op(&mut self, flat: &mut FlatNet, number: u32) {
         let written: Vec<Register> = flat.writes(flat.ops[number as usize]).collect();
         for slot in written {
@@ -84,7 +86,8 @@ impl Fold {
         fixed
     }
 
-    /// Switches to the form without presence words if all inputs are certainly present.
+    /// Replaces a call of a primitive in the form with presence words by one in the form without, if all its inputs are
+    /// present in every cycle.
     fn drop_presences(&mut self, flat: &mut FlatNet, number: u32) {
         let op = flat.ops[number as usize];
         let OpKind::Run(prim, Form::Optional) = op.kind else {
@@ -134,7 +137,8 @@ impl Fold {
         true
     }
 
-    /// The input register that always equals the result of an operation, if algebra proves one: `x and true` is `x`.
+    /// Returns the input register that always equals the result of an operation, if an algebraic identity proves one
+    /// (`x and true` is `x`); else `None`.
     fn simplify(&self, flat: &FlatNet, op: Op, prim: PrimId, form: Form) -> Option<Register> {
         let words = flat.words(op);
         match (identities::identity_of(prim)?, form) {
@@ -154,7 +158,8 @@ impl Fold {
     }
 }
 
-/// For each operand word of an operation, whether it is a presence.
+/// Returns, for each operand word of an operation, whether it is a presence register. Empty for operations that do not
+/// call a primitive.
 fn presence_words(flat: &FlatNet, op: Op) -> Vec<bool> {
     let OpKind::Run(prim, form) = op.kind else {
         return Vec::new();
@@ -169,7 +174,8 @@ fn presence_words(flat: &FlatNet, op: Op) -> Vec<bool> {
     words
 }
 
-/// Runs an operation on constant operands. Returns its outputs, or `None` if it raised a fault.
+/// Runs a primitive on constant operands at compile time. Returns its output registers with their contents; `None` if
+/// it raised a fault or has no code in this form.
 fn compute(
     flat: &FlatNet,
     op: Op,
@@ -211,7 +217,8 @@ fn compute(
     (!faulted).then(|| written.into_iter().map(content).collect())
 }
 
-/// Inlines scopes that are always active and removes those that are never active.
+/// Moves the items of scopes that are always active into the scopes around them, and removes scopes that are never
+/// active.
 fn inline_scopes(flat: &mut FlatNet) {
     for k in (0..flat.scopes.len()).rev() {
         let items = std::mem::take(&mut flat.scopes[k].items);

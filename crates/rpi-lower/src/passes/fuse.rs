@@ -10,8 +10,9 @@ use rpi_prims::{CycleTime, PrimId};
 use rustc_hash::FxHashMap;
 use std::sync::LazyLock;
 
-/// Table of fusions: inner primitive, outer primitive, in-port of the outer one, fused primitive. The inputs of the
-/// fused primitive are those of the outer one, with the inputs of the inner one in place of the connected in-port.
+/// Pairs of primitives that can be fused: inner primitive, outer primitive, index of the outer one's in-port that reads
+/// the inner one's result, fused primitive. The inputs of the fused primitive are those of the outer one, with the
+/// inputs of the inner one in place of that in-port.
 const FUSED: &[(&str, &str, usize, &str)] = &[
     (
         "Core::DoubleMultiply",
@@ -57,7 +58,7 @@ const FUSED: &[(&str, &str, usize, &str)] = &[
     ),
 ];
 
-/// The table of fusions as a map from outer primitive, in-port and inner primitive to the fused primitive.
+/// Map from (outer primitive, in-port, inner primitive) to the fused primitive, with the rows of [`FUSED`].
 static BY_PARTS: LazyLock<FxHashMap<(PrimId, usize, PrimId), PrimId>> = LazyLock::new(|| {
     let row = |&(inner, outer, port, both): &(&str, &str, usize, &str)| {
         let id = PrimId::from_name;
@@ -87,7 +88,8 @@ pub(super) fn fuse(flat: &mut FlatNet, _: CycleTime) {
     drop_ops(flat, &dropped);
 }
 
-/// The value at an in-port of an operation, if another operation computes it.
+/// Returns the register at an in-port of an operation, if it is neither a constant nor state nor set from outside, so
+/// that another operation computes it; else `None`.
 fn computed_input(flat: &FlatNet, op: Op, port: usize) -> Option<Register> {
     let OpKind::Run(_, Form::Total) = op.kind else {
         return None;
@@ -107,8 +109,8 @@ fn fused_primitive(flat: &FlatNet, outer: Op, port: usize, inner: Op) -> Option<
     BY_PARTS.get(&(outer, port, prim)).copied()
 }
 
-/// Replaces the operation `number` by the fused primitive `both`, which also computes the operation `inner` at its
-/// in-port `port`.
+/// Replaces the operation with index `number` by the fused primitive `both`, which also computes the operation with
+/// index `inner`, whose result was read at in-port `port`.
 fn replace_by_fused(flat: &mut FlatNet, number: u32, port: usize, inner: u32, both: PrimId) {
     let (outer, inner) = (flat.ops[number as usize], flat.ops[inner as usize]);
     let inputs = flat.words(inner);
@@ -122,7 +124,8 @@ fn replace_by_fused(flat: &mut FlatNet, number: u32, port: usize, inner: u32, bo
     flat.words.extend(words);
 }
 
-/// Number of readers of each register, of any kind.
+/// Returns the number of readers of each register: operations in `order`, guards, resets, copies for the next cycle,
+/// exports and end conditions.
 fn read_counts(flat: &FlatNet, order: &[(u32, ScopeId)]) -> Vec<u32> {
     let mut uses = vec![0; flat.registers.len()];
     let mut count = |slot: Register| uses[slot.index()] += 1;

@@ -5,22 +5,22 @@ use crate::registers::Register;
 use rpi_prims::{PrimId, registry};
 use std::sync::LazyLock;
 
-/// Algebraic identity by which calls of a primitive can be simplified.
+/// Algebraic identity that allows the passes to simplify calls of a primitive.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub(super) enum Identity {
-    /// A Boolean function of two inputs: with one side `neutral` the result is the other side, with one side
-    /// `absorbing` the result is `absorbing`.
+    /// A Boolean function of two inputs. If one input is the constant `neutral`, the result is the other input; if one
+    /// is `absorbing`, the result is `absorbing`.
     Gate {
         neutral: Register,
         absorbing: Register,
     },
-    /// Boolean negation.
+    /// Operation `not x`, which is its own inverse.
     Negation,
-    /// The second input if the first is true, else the third.
+    /// Choice of three inputs: the second input if the first is true, else the third.
     Choice,
 }
 
-/// The algebraic identity of a primitive; `None` if the pass knows none.
+/// Returns the algebraic identity of a primitive; `None` if none is known.
 pub(super) fn identity_of(prim: PrimId) -> Option<Identity> {
     static LAWS: LazyLock<Vec<Option<Identity>>> =
         LazyLock::new(|| registry().iter().map(|p| by_name(p.desc.name)).collect());
@@ -43,8 +43,8 @@ fn by_name(name: &str) -> Option<Identity> {
     }
 }
 
-/// Returns the register that an `and` or `or` gate equals, if one side is the `neutral` or `absorbing` constant of the
-/// gate, or both sides are equal.
+/// Returns the register that always equals the result of an `and` or `or` of `a` and `b`. `None` unless one of them is
+/// the `neutral` or `absorbing` constant of the operation, or both are the same register.
 pub(super) fn simplify_gate(
     a: Register,
     b: Register,
@@ -59,7 +59,8 @@ pub(super) fn simplify_gate(
     }
 }
 
-/// Simplifies a choice if its condition is constant or both alternatives are equal.
+/// Returns the register that always equals the result of a choice. `None` unless the condition is constant or both
+/// alternatives are the same register.
 pub(super) fn simplify_choice(
     condition: Register,
     yes: Register,

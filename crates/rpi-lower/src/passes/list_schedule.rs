@@ -36,7 +36,8 @@ pub(super) fn arrange(flat: &mut FlatNet, _: CycleTime) {
 
 const NONE: u32 = u32::MAX;
 
-/// Appends an item to an arranged scope. A scope with the same guard as the previous item is merged into that one.
+/// Appends an item to the reordered items of a scope. If the item and the last one are scopes with the same guard, the
+/// contents of the new scope are appended to the last one instead.
 fn append_item(flat: &mut FlatNet, arranged: &mut Vec<Item>, item: Item) {
     if let (Some(Item::Scope(last)), Item::Scope(next)) = (arranged.last().copied(), item) {
         let kinds = [last, next].map(|s| ItemKind::of_scope(flat, s));
@@ -54,13 +55,13 @@ fn append_item(flat: &mut FlatNet, arranged: &mut Vec<Item>, item: Item) {
     arranged.push(item);
 }
 
-/// Kind of an item of a scope. Items of the same kind can be executed by one step.
+/// Kind of an item of a scope. Adjacent items of the same kind can be executed by one step, or merged into one scope.
 #[derive(Clone, Copy, PartialEq, Eq, Hash, Debug)]
 enum ItemKind {
     Run(PrimId, Form),
     Copy,
     Guarded(Register),
-    /// An item that is never combined with others.
+    /// An item that is never combined with others, such as a device access.
     Alone,
 }
 
@@ -76,7 +77,8 @@ impl ItemKind {
         }
     }
 
-    /// The kind of a scope; `None` if it has a reset or latches and cannot be merged with others.
+    /// Returns the kind of a scope; `None` if it has a reset or copies for the next cycle, and so cannot be merged with
+    /// other scopes.
     fn of_scope(flat: &FlatNet, scope: ScopeId) -> Option<ItemKind> {
         let scope = &flat.scopes[scope.index()];
         let plain = scope.reset.is_none() && scope.latches.is_empty();
@@ -84,14 +86,16 @@ impl ItemKind {
     }
 }
 
-/// Dependency graph of the items of a scope.
+/// Dependency graph of the items of a scope: operations and nested scopes, by position in the scope.
 struct Graph {
-    /// For each item, a number that items of the same kind share, so that they can be placed in a row.
+    /// For each item, the number of its kind. Items of the same kind, such as calls of the same primitive, are placed
+    /// in a row.
     kinds: Vec<u32>,
     kind_count: usize,
-    /// Number of pending dependencies of each item.
+    /// For each item, how many of the items that it depends on are not yet in the new order.
     pending: Vec<u32>,
-    /// Start of each item's dependents in `readers`; one more entry than items (compressed sparse rows).
+    /// For each item, the index in `dependents` of the first item that depends on it. A final entry has the length of
+    /// `dependents` (compressed sparse rows).
     start: Vec<u32>,
     dependents: Vec<u32>,
 }
@@ -132,7 +136,8 @@ impl Graph {
         }
     }
 
-    /// Topological order of the items that keeps items of the same kind together where possible.
+    /// Returns the items in an order that respects all dependencies and places items of the same kind in a row where
+    /// possible.
     fn order(mut self) -> Vec<u32> {
         let mut ready = ReadyQueues::new(self.kind_count, self.heights());
         for at in (0..).take(self.kinds.len()) {
@@ -156,7 +161,8 @@ impl Graph {
         order
     }
 
-    /// For each item, the minimum number of changes of kind until all its dependents are done.
+    /// Returns, for each item, the greatest number of changes of kind on any chain of dependent items that starts at
+    /// it.
     fn heights(&self) -> Vec<u32> {
         let mut heights = vec![0; self.kinds.len()];
         // Items are in an evaluation order, so dependents come later.
@@ -172,10 +178,11 @@ impl Graph {
     }
 }
 
-/// Items whose dependencies are done, in one queue per kind.
+/// Items that depend on no item outside the new order, in one queue per kind.
 struct ReadyQueues {
     queues: Vec<VecDeque<u32>>,
-    /// For each queue, the greatest height of its items: the number of changes of kind that must follow.
+    /// For each queue, the greatest height of its items. The height is the number of changes of kind that must follow
+    /// an item.
     tops: Vec<u32>,
     heights: Vec<u32>,
 }
@@ -203,15 +210,15 @@ impl ReadyQueues {
         item
     }
 
-    /// The kind with the longest remaining chain of changes. Ties are broken by the number of ready items, then by the
-    /// lower number.
+    /// Returns the kind whose items have the longest remaining chain of changes of kind; `None` if no item is ready.
+    /// Ties are broken by the number of ready items, then by the lower number of the kind.
     fn next_kind(&self) -> Option<usize> {
         let some = (0..self.queues.len()).filter(|k| !self.queues[*k].is_empty());
         some.max_by_key(|&k| (self.tops[k], self.queues[k].len(), Reverse(k)))
     }
 }
 
-/// Kind number of each item, in order of first appearance, and the number of kinds.
+/// Returns the number of each item's kind, counted in order of first appearance, and the number of kinds.
 fn kinds(flat: &FlatNet, items: &[Item]) -> (Vec<u32>, usize) {
     let mut known = FxHashMap::default();
     let mut count = 0;
@@ -227,8 +234,10 @@ fn kinds(flat: &FlatNet, items: &[Item]) -> (Vec<u32>, usize) {
     (kinds.collect(), count as usize)
 }
 
-/// Builds the compressed adjacency lists: starts, dependents, and the in-degree of each item. Edges come in ascending
-/// order of their targets, so counting sort suffices. Duplicate edges count equally on both sides.
+/// Builds the adjacency lists of the items from the edges (item, dependent item): start of each item's list, all lists
+/// in a row, and number of incoming edges of each item.
+///
+/// Counting sort keeps the order of the edges. Duplicate edges are counted on both sides, so they do no harm.
 fn adjacency_lists(items: usize, edges: &[(u32, u32)]) -> (Vec<u32>, Vec<u32>, Vec<u32>) {
     let (mut start, mut waits) = (vec![0; items + 1], vec![0; items]);
     for (from, to) in edges {
@@ -248,8 +257,10 @@ fn adjacency_lists(items: usize, edges: &[(u32, u32)]) -> (Vec<u32>, Vec<u32>, V
     (start, readers, waits)
 }
 
-/// Calls `with` for every register that an item reads (`false`) or writes (`true`), in order. A reset also writes the
-/// state of the delays in its scope, so readers outside must come after it.
+/// Calls `with` for every register that an item reads (`false`) or writes (`true`), in the order of execution.
+///
+/// A reset also writes the state of the delays in its scope, so that readers outside must come after it. `afresh` says
+/// whether a scope around the item has a reset.
 fn visit_registers(
     flat: &FlatNet,
     item: Item,
@@ -276,7 +287,8 @@ fn visit_registers(
     }
 }
 
-/// True if an item accesses a device. Such items keep the order of the net.
+/// Returns true if an item sets a set-point or calls a device function, also in a nested scope. Such items keep the
+/// order of the net.
 fn reaches_device(flat: &FlatNet, item: Item) -> bool {
     match item {
         Item::Op(op) => matches!(

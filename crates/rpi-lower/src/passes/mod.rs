@@ -18,11 +18,11 @@ pub(crate) mod traversal;
 use crate::flat_net::FlatNet;
 use rpi_prims::CycleTime;
 
-/// Optimisation pass over a flat net: a name, a description and a function.
+/// Optimisation pass over a flat net, which changes the net in place but not a bit of its outputs.
 pub(crate) struct Pass {
-    /// Name of the pass in messages and listings.
+    /// Name of the pass in messages and listings, such as `fold`.
     pub(crate) name: &'static str,
-    /// One-line description.
+    /// One line that says what the pass does, such as "read each device port once per cycle".
     pub(crate) description: &'static str,
     pub(crate) run: fn(&mut FlatNet, CycleTime),
 }
@@ -33,7 +33,7 @@ const FOLD: Pass = Pass {
     run: fold::fold,
 };
 
-/// All optimisation passes in the order in which they run.
+/// All optimisation passes in the order in which they run. A pass can occur more than once.
 pub(crate) const PASSES: &[Pass] = &[
     Pass {
         name: "sensors",
@@ -79,7 +79,8 @@ pub(crate) const PASSES: &[Pass] = &[
     },
 ];
 
-/// Runs all optimisation passes and calls `check` after each.
+/// Runs all optimisation passes on a flat net and calls `check` with the net after each. `clock` has the times that
+/// constant folding uses.
 pub(crate) fn run(flat: &mut FlatNet, clock: CycleTime, mut check: impl FnMut(&FlatNet, &Pass)) {
     for pass in PASSES {
         (pass.run)(flat, clock);
@@ -87,7 +88,8 @@ pub(crate) fn run(flat: &mut FlatNet, clock: CycleTime, mut check: impl FnMut(&F
     }
 }
 
-/// Runs the passes that keep the net readable, for generated C code.
+/// Runs only the passes that leave each primitive and its place recognisable, for generated C code: all before the
+/// fusion of primitives.
 pub(crate) fn run_readable(flat: &mut FlatNet, clock: CycleTime) {
     let all = PASSES.iter().take_while(|p| p.name != "fuse");
     all.for_each(|p| (p.run)(flat, clock));

@@ -32,7 +32,7 @@ fn key(port: &DevicePort) -> (String, String, u32) {
     (port.device.clone(), port.port.clone(), port.index)
 }
 
-/// True if the sensor must always have a sample. A missing sample is then a fault.
+/// Returns true if the sensor must have a sample in every cycle, so that a missing sample is a fault.
 fn is_total(sensor: &SensorPort) -> bool {
     sensor.value.present == Register::TRUE.0
 }

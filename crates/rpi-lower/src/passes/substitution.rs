@@ -5,15 +5,15 @@ use crate::flat_net::{FlatNet, Item};
 use crate::registers::Register;
 use rpi_image::image::{CommandEnd, Signal};
 
-/// Map from registers to the registers that replace them.
+/// Map from registers to the registers that replace them in a flat net.
 pub(super) struct Substitution {
     to: Vec<Register>,
-    /// Whether any register is replaced.
+    /// False if no register is replaced, so that the map has no effect.
     any: bool,
 }
 
 impl Substitution {
-    /// The identity substitution: no register is replaced.
+    /// Creates a map for the registers of a flat net in which no register is replaced.
     pub(super) fn new(flat: &FlatNet) -> Self {
         Substitution {
             to: (0..).map(Register).take(flat.registers.len()).collect(),
@@ -21,7 +21,8 @@ impl Substitution {
         }
     }
 
-    /// The replacement of a register. Registers added later are not replaced.
+    /// Returns the register that replaces a register, or the register itself. Registers added to the net after the map
+    /// was created are not replaced.
     pub(super) fn get(&self, slot: Register) -> Register {
         let mut at = slot;
         while let Some(&next) = self.to.get(at.index()).filter(|n| **n != at) {
@@ -30,18 +31,18 @@ impl Substitution {
         at
     }
 
-    /// Records that `from` is replaced by `to`.
+    /// Records that `from` is replaced by `to`, or by the replacement of `to` if it has one.
     pub(super) fn set(&mut self, from: Register, to: Register) {
         self.to[from.index()] = self.get(to);
         self.any = true;
     }
 
-    /// Replaces the registers that one operation reads.
+    /// Replaces the registers that the operation with index `op` reads.
     pub(super) fn apply_to_op(&self, flat: &mut FlatNet, op: u32) {
         flat.replace(flat.ops[op as usize], Access::is_read, |s| self.get(s));
     }
 
-    /// Replaces registers wherever they are read, in operations and outside.
+    /// Replaces registers wherever they are read: by operations, and outside of operations.
     pub(super) fn apply(&self, flat: &mut FlatNet) {
         if self.any {
             for op in 0..flat.ops.len() as u32 {
@@ -51,7 +52,8 @@ impl Substitution {
         }
     }
 
-    /// Replaces registers where they are read outside operations: guards, resets, latches, tables.
+    /// Replaces registers where they are read other than by operations: in guards, resets, copies for the next cycle,
+    /// fragment activations, exports and end conditions.
     pub(super) fn apply_outside_ops(&self, flat: &mut FlatNet) {
         for scope in &mut flat.scopes {
             scope.guard = self.get(scope.guard);
@@ -80,7 +82,7 @@ impl Substitution {
     }
 }
 
-/// Removes operations from all scopes.
+/// Removes operations from all scopes. `dropped` says for each operation, by its index, whether it is removed.
 pub(super) fn drop_ops(flat: &mut FlatNet, dropped: &[bool]) {
     if !dropped.contains(&true) {
         return;

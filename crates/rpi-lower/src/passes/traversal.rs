@@ -3,18 +3,18 @@
 use crate::flat_net::{FlatNet, Item, ScopeId};
 use crate::registers::Register;
 
-/// Event of a traversal of nested scopes: entry, operation or exit.
+/// Event of a traversal of nested scopes in execution order: start of a scope, operation, or end of a scope.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub(super) enum TraversalEvent {
     /// Start of a scope, before its items.
     Enter(ScopeId),
-    /// An operation, with the scope that contains it.
+    /// An operation, as its index in [`FlatNet::ops`](crate::flat_net::FlatNet::ops), and the scope that contains it.
     Op(u32, ScopeId),
     /// End of a scope, after its items.
     Leave(ScopeId),
 }
 
-/// All events of a traversal in order. The stack is on the heap, because scopes nest as deep as fragments.
+/// Returns all events of a traversal of the net, in execution order.
 pub(super) fn traverse(flat: &FlatNet) -> Vec<TraversalEvent> {
     let mut stops = Vec::with_capacity(flat.ops.len() + 2 * flat.scopes.len());
     visit(flat, |stop| stops.push(stop));
@@ -42,7 +42,7 @@ fn visit(flat: &FlatNet, mut with: impl FnMut(TraversalEvent)) {
     }
 }
 
-/// All operations in execution order, each with its scope.
+/// Returns all operations in execution order, each as its index in the net and the scope that contains it.
 pub(crate) fn ops_in_order(flat: &FlatNet) -> Vec<(u32, ScopeId)> {
     let mut ops = Vec::with_capacity(flat.ops.len());
     visit(flat, |stop| match stop {
@@ -52,11 +52,11 @@ pub(crate) fn ops_in_order(flat: &FlatNet) -> Vec<(u32, ScopeId)> {
     ops
 }
 
-/// Execution order of all operations, with the writer of each register.
+/// All operations in execution order, and for each register the operation that writes it.
 pub(super) struct Writers {
-    /// All operations in execution order, each with its scope.
+    /// All operations in execution order, each as its index in the net and the scope that contains it.
     pub(super) order: Vec<(u32, ScopeId)>,
-    /// For each register, the index of its writer in `order`.
+    /// For each register, the index in `order` of the operation that writes it; `u32::MAX` if no operation does.
     writer_index: Vec<u32>,
 }
 
@@ -74,7 +74,8 @@ impl Writers {
         writers
     }
 
-    /// The operation that writes a register: its position in the order, its number and its scope.
+    /// Returns the operation that writes a register: its position in `order`, its index in the net and its scope.
+    /// `None` if no operation writes the register.
     pub(super) fn writer_of(&self, slot: Register) -> Option<(u32, u32, ScopeId)> {
         let place = self.writer_index[slot.index()];
         let (number, scope) = self.order.get(place as usize)?;
@@ -82,7 +83,7 @@ impl Writers {
     }
 }
 
-/// True if `inner` is `outer` or nested inside it.
+/// Returns true if the scope `inner` is the scope `outer` or nested inside it.
 pub(super) fn encloses(flat: &FlatNet, outer: ScopeId, inner: ScopeId) -> bool {
     let parent = |s: &ScopeId| flat.scopes[s.index()].parent;
     std::iter::successors(Some(inner), parent).any(|s| s == outer)

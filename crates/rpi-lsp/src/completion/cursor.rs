@@ -4,56 +4,59 @@ use std::ops::Range;
 
 use rpi_syntax::{CommentKind, Dialect, SourceToken, SourceTokenKind, source_tokens};
 
-/// What is typed at the cursor, and which kind of name may stand there.
+/// Position at which the user types: the part of the word already typed, and the kind of name that may follow.
 #[derive(Clone, PartialEq, Eq, Debug)]
 pub(super) struct Cursor {
-    /// Byte range of the part of the word before the cursor.
+    /// Range in bytes of the part of a word before the cursor, which a suggestion replaces.
     pub(super) prefix: Range<usize>,
-    /// Kind of name that fits at the cursor; it selects the suggestions.
+    /// Kind of name that the grammar allows at the cursor. It selects the suggestions.
     pub(super) expected: ExpectedName,
 }
 
-/// Kinds of names that the grammar allows at the cursor.
+/// Kind of name that the grammar allows at the cursor.
 #[derive(Clone, PartialEq, Eq, Debug)]
 pub(super) enum ExpectedName {
-    /// Member of the path before the dot.
+    /// Member of the value before the dot, such as a field or an out-port. The path leads to that value.
     Member(MemberPath),
     /// Unit of measure, such as `mm/s`.
     Unit,
-    /// Name of a module, after `use`.
+    /// Name of a module, as after `use`.
     Module,
-    /// Name that is visible at the cursor. At the start of an argument, also the name of a parameter.
+    /// Any name that is visible at the cursor. At the start of an argument of a call, the call is given, because the
+    /// names of its parameters are also possible.
     Name(Option<ArgumentContext>),
 }
 
-/// Path before a dot: `way.pose`, `f(x).pose`.
+/// Path of names before the dot at the cursor, such as `way.pose` or `f(x).pose`.
 #[derive(Clone, PartialEq, Eq, Debug)]
 pub(super) struct MemberPath {
-    /// First name.
+    /// Name before the first dot of the path: `way` in `way.pose.`.
     pub(super) root: String,
-    /// Whether the first name is called.
+    /// True if arguments follow the first name, as in `Line(arm, to).`.
     pub(super) is_call: bool,
-    /// Names after the first one.
+    /// Names after the first dot, in order: `pose` in `way.pose.`; empty if there is only one name.
     pub(super) rest: Vec<String>,
 }
 
-/// Call whose argument begins at the cursor.
+/// Call around the cursor, if one of its arguments begins at the cursor.
 #[derive(Clone, PartialEq, Eq, Debug)]
 pub(super) struct ArgumentContext {
-    /// Name of the node or function that is called around the cursor.
+    /// Name of the called node or function.
     pub(super) callee: String,
-    /// Names of the arguments that are already passed by name.
+    /// Names of the parameters to which the call already passes arguments by name.
     pub(super) passed: Vec<String>,
 }
 
-/// Opening brackets with their closing brackets, which the search for a call skips over.
+/// Opening brackets, each with its closing bracket. The search for the call around the cursor skips bracketed lists
+/// before the cursor.
 const BRACKETS: &[(&str, &str)] = &[("(", ")"), ("<<", ">>"), ("[", "]"), ("{", "}")];
 
-/// Tokens at which the search for an open bracket ends, because no bracket extends over them.
+/// Tokens at which the search for an open bracket before the cursor ends, because no bracket extends over them.
 const BRACKET_ENDS: &[&str] = &[";", "let", "tel"];
 
 impl Cursor {
-    /// Determines the context at a byte offset. Returns [`None`] inside comments, strings and numbers.
+    /// Returns the word and the expected kind of name at a byte offset in `text`. Returns [`None`] inside comments,
+    /// strings and numbers. `mode` is the language of the text.
     pub(super) fn from_offset(text: &str, offset: usize, mode: Dialect) -> Option<Cursor> {
         let before = text.get(..offset)?;
         let start = word_start(before);
@@ -78,7 +81,7 @@ impl Cursor {
     }
 }
 
-/// Returns the byte offset at which the word at the end of the text starts.
+/// Returns the byte offset at which the word at the end of `before`, the text before the cursor, starts.
 fn word_start(before: &str) -> usize {
     let in_word = |c: char| c.is_ascii_alphanumeric() || matches!(c, '_' | '\'' | ':');
     let start = before.trim_end_matches(in_word).len();
@@ -90,7 +93,7 @@ fn word_start(before: &str) -> usize {
     }
 }
 
-/// Returns whether the offset is inside a comment, string or number, where no name is possible.
+/// Returns whether a byte offset is inside a token in which no name is possible: a comment, string or number.
 fn excludes_names(piece: &SourceToken, offset: usize) -> bool {
     let Range { start, end } = piece.range;
     let to_line_end = match piece.kind {
@@ -104,7 +107,7 @@ fn excludes_names(piece: &SourceToken, offset: usize) -> bool {
     start < offset && (offset < end || to_line_end && offset == end)
 }
 
-/// Token before the cursor. The last few decide what kind of name may follow.
+/// Token of the text before the cursor. The last few tokens decide the kind of name that may follow.
 #[derive(Clone, Copy)]
 struct CursorToken<'t> {
     text: &'t str,
@@ -132,7 +135,7 @@ fn expected_name(words: &[CursorToken<'_>]) -> ExpectedName {
     })
 }
 
-/// Returns whether a module name is expected: `use a, b`.
+/// Returns whether the tokens before the cursor require the name of a module, as in `use a, `.
 fn expects_module(words: &[CursorToken<'_>]) -> bool {
     let in_list = |word: &&CursorToken<'_>| word.text == "," || word.kind == SourceTokenKind::Name;
     let head = words.iter().rev().find(|word| !in_list(word));
@@ -142,7 +145,7 @@ fn expects_module(words: &[CursorToken<'_>]) -> bool {
     begins && head.is_some_and(|word| word.text == "use")
 }
 
-/// Returns whether a unit is expected: `250[mm/`, `real[`.
+/// Returns whether the tokens before the cursor require a unit of measure, as in `250[mm/` or `real[`.
 fn expects_unit(words: &[CursorToken<'_>]) -> bool {
     let inside = |word: &CursorToken<'_>| {
         matches!(word.kind, SourceTokenKind::Name | SourceTokenKind::Number)
@@ -157,7 +160,7 @@ fn expects_unit(words: &[CursorToken<'_>]) -> bool {
     words[open].text == "[" && measured
 }
 
-/// Returns the path of names at the end of `words`, the tokens before a dot.
+/// Returns the path of names at the end of `words`, the tokens before a dot; `None` if they do not end with a name.
 fn member_path(words: &[CursorToken<'_>]) -> Option<MemberPath> {
     let mut rest = Vec::new();
     let mut left = words;
@@ -187,7 +190,7 @@ fn member_path(words: &[CursorToken<'_>]) -> Option<MemberPath> {
     }
 }
 
-/// Returns the tokens without the bracketed list at their end, if there is one.
+/// Returns the tokens without the list in brackets at their end; all tokens if they do not end with such a list.
 fn strip_brackets<'a, 't>(
     words: &'a [CursorToken<'t>],
     open: &str,
@@ -210,7 +213,8 @@ fn strip_brackets<'a, 't>(
     words
 }
 
-/// Returns the call whose argument begins at the cursor.
+/// Returns the call of which an argument begins after `words`, the tokens before the cursor; `None` if the cursor is
+/// not in the arguments of a call.
 fn argument_context(words: &[CursorToken<'_>]) -> Option<ArgumentContext> {
     let mut given = Vec::new();
     let mut closed = 0_usize;
@@ -236,7 +240,8 @@ fn argument_context(words: &[CursorToken<'_>]) -> Option<ArgumentContext> {
     None
 }
 
-/// Returns whether a `;` separates static arguments inside `<<`, and so does not end the call.
+/// Returns whether the token with index `at` is a `;` that separates static arguments inside `<<`, so that the call
+/// continues after it.
 fn is_separator(words: &[CursorToken<'_>], at: usize) -> bool {
     let before = words[..at].iter().rev();
     let mut until_end = before.take_while(|word| !BRACKET_ENDS[1..].contains(&word.text));

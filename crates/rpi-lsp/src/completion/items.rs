@@ -20,7 +20,8 @@ use crate::description::summary;
 use crate::locations::LocationMap;
 use crate::primitive;
 
-/// Completion item kinds of the protocol, by kind of definition.
+/// Kinds of definitions, each with the kind of completion item in the protocol. Definitions of other kinds are shown as
+/// variables.
 const ITEM_KINDS: &[(DefKind, CompletionItemKind)] = &[
     (DefKind::Module, CompletionItemKind::MODULE),
     (DefKind::Const, CompletionItemKind::CONSTANT),
@@ -41,7 +42,8 @@ const ITEM_KINDS: &[(DefKind, CompletionItemKind)] = &[
     (DefKind::State, CompletionItemKind::MODULE),
 ];
 
-/// Group of a completion item, in sort order: names declared nearest to the cursor come first.
+/// Group of completion items. The editor lists the groups in this order, so that the names declared nearest to the
+/// cursor come first.
 #[derive(Clone, Copy)]
 enum SortGroup {
     Argument,
@@ -53,7 +55,7 @@ enum SortGroup {
     Primitive,
 }
 
-/// Collector of completion items for a cursor.
+/// Collector of the completion items (suggestions) for the cursor position in a document.
 pub(super) struct ItemCollector<'s> {
     analysis: &'s Inspection,
     places: &'s LocationMap<'s>,
@@ -122,7 +124,8 @@ impl<'s> ItemCollector<'s> {
         }
     }
 
-    /// Returns the members of a path: fields, ports, results, inner flows.
+    /// Returns a suggestion for each member of the value or declaration to which a path leads: fields, ports, results,
+    /// inner flows.
     fn members(&self, path: &MemberPath) -> Vec<CompletionItem> {
         let Some(last) = self.resolve(path) else {
             return Vec::new();
@@ -134,7 +137,7 @@ impl<'s> ItemCollector<'s> {
         members.chain(self.parts(parts)).collect()
     }
 
-    /// Returns the declaration to which a path of names leads, such as `arm.pose`.
+    /// Returns the declaration to which a path of names such as `arm.pose` leads; `None` if a name is undefined.
     fn resolve(&self, path: &MemberPath) -> Option<DefId> {
         let index = self.analysis.index();
         let root = index.resolve(FileId(0), self.offset, &path.root)?;
@@ -147,7 +150,8 @@ impl<'s> ItemCollector<'s> {
         names.try_fold(root, |owner, name| index.member(owner, name))
     }
 
-    /// Returns the parts of a value of a spatial type, such as position and rotation of a pose.
+    /// Returns a suggestion for each part of a value of a spatial type, such as the position and the rotation of a
+    /// pose.
     fn parts(&self, types: &[FlowType]) -> Vec<CompletionItem> {
         let parts = types.iter().flat_map(|typed| match typed.ty {
             Ty::Spatial(scalar, _) => spatial_parts(scalar).collect::<Vec<_>>(),
@@ -166,7 +170,8 @@ impl<'s> ItemCollector<'s> {
         UNITS.iter().map(|row| unit(row.name, row.doc)).collect()
     }
 
-    /// Returns the modules of the standard library, and the `.rpi` files in the folder of the program.
+    /// Returns a suggestion for each module of the standard library and each other `.rpi` file in the folder of the
+    /// program.
     fn modules(&self) -> Vec<CompletionItem> {
         let mut names: BTreeSet<String> =
             rpi_driver::library_modules().map(str::to_owned).collect();
@@ -188,7 +193,7 @@ impl<'s> ItemCollector<'s> {
         names.iter().map(module).collect()
     }
 
-    /// Returns the parameters of a call that are not passed by name yet, as `name: `.
+    /// Returns a suggestion `name: ` for each parameter of a call to which no argument is passed by name so far.
     fn arguments(&self, argument: &ArgumentContext) -> Vec<CompletionItem> {
         let index = self.analysis.index();
         let callee = index.resolve(FileId(0), self.offset, &argument.callee);
@@ -227,7 +232,7 @@ impl<'s> ItemCollector<'s> {
         visible.into_iter().filter_map(of).collect()
     }
 
-    /// Returns the predeclared names and the keywords.
+    /// Returns a suggestion for each predeclared name and each keyword of the language of the document.
     fn keywords(&self) -> Vec<CompletionItem> {
         let mode = self.analysis.mode();
         let keywords = KEYWORDS
@@ -252,7 +257,8 @@ impl<'s> ItemCollector<'s> {
         built_in.chain(keywords).collect()
     }
 
-    /// Returns the names of library modules that are not imported yet, with an edit that adds the `use`.
+    /// Returns a suggestion for each name that a library module declares and that is not visible in the document. The
+    /// suggestion also inserts the `use` of the module.
     fn library_items(&self) -> Vec<CompletionItem> {
         if self.analysis.mode() == Dialect::Lustre {
             return Vec::new();
@@ -279,7 +285,8 @@ impl<'s> ItemCollector<'s> {
         offers.map(of).collect()
     }
 
-    /// Returns the edit that inserts `use module;` after the last `use`, or at the start of the text.
+    /// Returns the edit that inserts `use module;` after the last `use` of the document, or at its start if there is
+    /// none.
     fn use_edit(&self, module: &str) -> TextEdit {
         let text = self.analysis.sources.text(FileId(0));
         let lines = text.split_inclusive('\n');
@@ -297,7 +304,8 @@ impl<'s> ItemCollector<'s> {
         TextEdit::new(range, format!("use {module};\n{apart}"))
     }
 
-    /// Returns the primitives whose name contains the typed text; none if nothing has been typed.
+    /// Returns a suggestion for each primitive whose name contains the text typed before the cursor, ignoring case;
+    /// none if no text has been typed.
     fn primitives(&self) -> Vec<CompletionItem> {
         let text = self.analysis.sources.text(FileId(0));
         let written = text.get(self.cursor.prefix.clone()).unwrap_or_default();

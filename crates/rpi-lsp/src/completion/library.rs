@@ -6,17 +6,17 @@ use rpi_diag::FileId;
 use rpi_syntax::ast::{Doc, Item, ItemKind};
 use rpi_syntax::{Dialect, Name, parse};
 
-/// Name that a library module declares, for completion.
+/// Name that a module of the standard library declares, with the text that completion shows for it.
 #[derive(Clone, Debug)]
 pub(super) struct LibraryName {
     pub(super) module: &'static str,
     pub(super) name: Name,
-    /// Declaration of the name without its body.
+    /// Text of the declaration without its body.
     pub(super) head: String,
     pub(super) doc: Option<Doc>,
 }
 
-/// Returns all library names, in the order of the modules and their texts.
+/// Returns the names that all modules of the standard library declare, by module and in source order.
 pub(super) fn library_names() -> &'static [LibraryName] {
     static OFFERS: LazyLock<Vec<LibraryName>> = LazyLock::new(|| {
         let modules = rpi_driver::library_modules();
@@ -39,7 +39,8 @@ fn module_names(module: &'static str) -> Vec<LibraryName> {
     parsed.file.items.iter().filter_map(offer).collect()
 }
 
-/// Returns the name of a declaration. [`None`] for declarations that need no `use`, such as primitives.
+/// Returns the name that a top-level declaration introduces; [`None`] for a kind of declaration that completion does
+/// not suggest, such as a primitive.
 fn declared_name(item: &Item) -> Option<Name> {
     match &item.kind {
         ItemKind::Node(node) => Some(node.signature.name.name.clone()),

@@ -1,7 +1,7 @@
 //! Completion.
 //!
 //! `cursor.rs` determines from the tokens before the cursor which kind of name is expected, also in text with syntax
-//! errors. `names.rs` collects the matching names, `library.rs` those of modules that are not imported yet.
+//! errors. `items.rs` collects the matching names, `library.rs` those of modules that are not imported yet.
 
 mod cursor;
 mod items;
@@ -12,7 +12,8 @@ use lsp_types::{CompletionList, CompletionParams, CompletionResponse};
 use crate::workspace::Workspace;
 use cursor::Cursor;
 
-/// Handles `textDocument/completion`. Returns [`None`] inside comments, strings and numbers.
+/// Handles `textDocument/completion`: returns the suggestions for the cursor position. Returns [`None`] inside
+/// comments, strings and numbers, or if the document is not open.
 pub(crate) fn completion(
     world: &mut Workspace,
     params: CompletionParams,

@@ -1,7 +1,6 @@
 //! Takeover within the bounds of the tool: prepared while the arm follows its previous motion.
 
 use super::{ENTRY_CYCLE, MotionCore};
-use crate::course::state_of;
 use crate::entry::ATTEMPTS;
 use crate::path::Path;
 use crate::residual::Residual;
@@ -10,33 +9,34 @@ use crate::tool_entry::{Situation, ToolEntry, Verification};
 use crate::verify::allowed_ranges;
 use crate::{JointState, Joints};
 
-/// Difference of the joints below which two set-points are the same, rad.
+/// Difference of joint positions, rad, below which two set-points count as the same.
 const SAME_JOINTS: f64 = 1e-9;
 
-/// Latest cycle in which a takeover within the bounds of the tool begins: the arm follows the brake of its previous motion
-/// until then.
+/// Latest cycle of a motion, counted from its start, in which a takeover within the bounds of the tool begins. The arm
+/// brakes on the path of its previous motion until then.
 const LATEST_SWITCH: u64 = 48;
 
-/// Preparation of a takeover within the bounds of the tool.
+/// Preparation of a takeover within the bounds of the tool, while the arm follows its previous motion.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Approach {
-    /// Time of the previous motion at the start of the present one, s.
+    /// Time of the previous motion (s) at the start of the present motion.
     pub(super) previous_time: f64,
-    /// Cycle in which the takeover begins.
+    /// Cycle of the present motion in which the takeover begins.
     switch: u64,
-    /// The takeover; `None` until it is planned.
+    /// The planned takeover; `None` until it is planned.
     pub(super) entry: Option<ToolEntry>,
 }
 
 impl MotionCore {
-    /// Returns whether a state is that of the last set-point.
+    /// Returns true if `state` has the joint positions of the last set-point.
     pub(super) fn continues(&self, state: &JointState) -> bool {
         let last = self.trace.joints(0);
         let differs = |axis: usize| (last[axis] - state.position[axis]).abs() > SAME_JOINTS;
         !(0..self.arm.axes()).any(differs)
     }
 
-    /// Returns the preparation of a takeover from the motion that the arm follows, if it does so in this state.
+    /// Returns the preparation of a takeover from the motion that the arm follows; `None` if the arm is not in this
+    /// motion at `state`, or if a takeover within the bounds of the tool is not wanted.
     pub(super) fn approach_from(&self, state: &JointState) -> Option<Approach> {
         let time = self.cycle as f64 * self.period;
         let (previous_time, path) = match self.approach {
@@ -53,8 +53,8 @@ impl MotionCore {
         })
     }
 
-    /// Prepares the takeover within the bounds of the tool, and begins it in its cycle. If it is not possible, each axis
-    /// comes on to the path on its own.
+    /// Plans and verifies the takeover within the bounds of the tool over several cycles, and begins it in its cycle.
+    /// If it is not possible, each axis approaches the path on its own. `time` is the time of the motion, s.
     pub(super) fn prepare(
         &mut self,
         mut approach: Approach,
@@ -96,8 +96,7 @@ impl MotionCore {
                 Ok(())
             }
             _ => {
-                let last = core::array::from_fn(|k| *self.trace.joints(3 - k));
-                let state = state_of(&last, self.period);
+                let state = self.state();
                 self.approach = None;
                 self.ranges = allowed_ranges(&self.arm, &state.position);
                 self.enter_by_axes(&state, time)
@@ -105,19 +104,21 @@ impl MotionCore {
         }
     }
 
-    /// Plans the takeover for the first cycle in which its verification can be done.
+    /// Plans the takeover for the first cycle by which its verification can be completed.
     fn plan_switch(&self, approach: &mut Approach, situation: &Situation<'_>) {
-        /// Number of cycles until the takeover of the first plan, and number of plans: each one shows how long its
-        /// verification takes.
+        /// Number of cycles that the first plan of a takeover leaves for its verification. Each plan shows how many it
+        /// needs.
         const FIRST_GUESS: u64 = 16;
+        /// Maximum number of plans of a takeover. Each later plan begins the takeover in the cycle that the
+        /// verification of the previous plan would need.
         const PLANS: usize = 2;
         approach.switch = self.cycle + FIRST_GUESS;
         for _ in 0..PLANS {
             let time = approach.switch as f64 * self.period;
-            let last = self.set_points_ahead(approach);
-            let Some(entry) = last.and_then(|last| ToolEntry::plan(situation, time, last)) else {
-                return;
-            };
+            let planned = self
+                .ahead(approach)
+                .and_then(|(state, last)| ToolEntry::plan(situation, time, &state, last));
+            let Some(entry) = planned else { return };
             let needed = self.cycle + entry.cycles() + 1;
             if needed <= approach.switch {
                 approach.entry = Some(entry);
@@ -130,19 +131,22 @@ impl MotionCore {
         }
     }
 
-    /// Returns the last set-points up to the takeover, those that are still to come included; `None` if one has no inverse.
-    fn set_points_ahead(&self, approach: &Approach) -> Option<[Joints; 4]> {
+    /// Returns the state at the beginning of the takeover and the last four set-points up to it, including those that
+    /// are still to come; `None` if one has no inverse kinematics.
+    fn ahead(&self, approach: &Approach) -> Option<(JointState, [Joints; 4])> {
         let to_come = approach.switch.saturating_sub(self.cycle) as usize;
         let mut joints = [*self.trace.joints(0); 4];
         let mut hint = self.previous.hint;
-        for ahead in 1..=to_come {
-            let time = (self.cycle as f64 + ahead as f64) * self.period;
-            let at = approach.previous_time + time;
+        let time = |cycle: u64| approach.previous_time + cycle as f64 * self.period;
+        for ahead in 1..=to_come as u64 {
+            let at = time(self.cycle + ahead);
             let next = self.previous.joints_at(&self.arm, at, &hint).ok()?;
             joints.rotate_left(1);
             (joints[3], hint) = next;
         }
-        Some(joints)
+        let switch = time(approach.switch);
+        let state = self.previous.state_at(&self.arm, switch, &hint).ok()?;
+        Some((state, joints))
     }
 
     fn begin_tool_entry(&mut self, entry: &ToolEntry) {

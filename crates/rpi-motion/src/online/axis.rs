@@ -7,23 +7,25 @@ use super::profile::AxisProfile;
 use super::timed::TimedMotion;
 use rpi_kin::state_to_rest::AxisState;
 
-/// Signs of the jerk in the phases of a family.
+/// Sign of the jerk in each of the seven phases of a time-optimal motion: rise, hold, fall, cruise, fall, hold, rise of
+/// the acceleration.
 pub(super) const SIGNS: [f64; 7] = [1.0, 0.0, -1.0, 0.0, -1.0, 0.0, 1.0];
 
-/// Deviation of position and velocity from the target that counts as rounding where the exact motion is a detour; rad or
-/// m, and rad/s or m/s.
+/// Deviation of position (rad or m) and velocity (rad/s or m/s) from the target that counts as rounding if a motion
+/// exactly to the target would take a detour.
 pub(super) const TOLERANCE: f64 = 1e-8;
 
-/// Deviation that always counts as rounding, with that of the numbers themselves. An exact motion over such a distance
-/// takes 1e-4 s and more.
+/// Deviation of position (rad or m) and velocity (rad/s or m/s) that always counts as rounding, in addition to the
+/// rounding of the numbers themselves. A motion over such a small distance takes 1e-4 s and more.
 pub(super) const ROUNDING: f64 = 1e-12;
 
-/// Deviation that counts as rounding of values of a given size.
+/// Returns the deviation that counts as rounding for values of the magnitude `size`, in their unit.
 pub(super) fn rounding(size: f64) -> f64 {
     ROUNDING + 8.0 * f64::EPSILON * size
 }
 
-/// Motion in normalised time: the durations of the phases and the sign of their first jerk.
+/// Plan of a motion in time units in which the maximum jerk is 1: durations of its seven phases, and the sign of its
+/// first jerk.
 #[derive(Clone, Copy, Debug)]
 struct Plan {
     times: Times,
@@ -31,7 +33,8 @@ struct Plan {
     duration: f64,
 }
 
-/// Planning problem of one axis, after the return into the limits, divided by the maximum jerk.
+/// Planning problem of one axis with a target position, after the return of the start into the limits. All quantities
+/// are divided by the maximum jerk.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct AxisPlanner {
     start: AxisState,
@@ -42,12 +45,12 @@ pub(super) struct AxisPlanner {
     distance: f64,
     tolerance: f64,
     best: Plan,
-    /// The time-optimal motion needs no return into the limits.
+    /// True if the time-optimal motion needs no return into the limits.
     is_direct: bool,
 }
 
 impl AxisPlanner {
-    /// Plans the time-optimal motion. All numbers must have been checked.
+    /// Plans the time-optimal motion from `start` to `target`. The caller has checked that all numbers are valid.
     pub(super) fn new(start: AxisState, target: AxisState, limits: &AxisLimits) -> Self {
         let jerk = limits.max_jerk;
         let mut ends = Ends::new(&start, &target, limits);
@@ -81,19 +84,19 @@ impl AxisPlanner {
     }
 }
 
-/// Planning problem of one axis of a synchronised motion.
+/// Planner of one axis of a synchronised motion, which may need to take longer than its own time-optimal motion.
 pub(super) trait Planner {
-    /// Shortest duration, s.
+    /// Returns the duration of the time-optimal motion, s.
     fn duration(&self) -> f64;
 
-    /// Time-optimal motion.
+    /// Returns the time-optimal motion of the axis.
     fn profile(&self) -> AxisProfile;
 
-    /// Collects the durations in s at which it may change whether there is a motion of exactly a duration.
+    /// Calls `add` with the durations (s) at which motions of exactly this duration begin or cease to exist.
     fn durations(&self, add: &mut dyn FnMut(f64));
 
-    /// Returns the motion with a given duration in s, or `None` if there is none. With the shortest duration this is the
-    /// time-optimal motion.
+    /// Returns the motion that takes exactly `duration` (s); `None` if there is none. With the shortest duration, it is
+    /// the time-optimal motion.
     fn profile_with_duration(&self, duration: f64) -> Option<AxisProfile>;
 }
 
@@ -137,10 +140,11 @@ impl Planner for AxisPlanner {
     }
 }
 
-/// Motion that may miss the target by a distance.
+/// Motion that may miss the target, with the distance by which it does.
 type Rough = (Plan, f64);
 
-/// Returns the motion with one phase of maximum jerk, or of none, and by what it misses the target.
+/// Returns the motion that consists of a single phase of maximum jerk, of any duration, and its deviation from the
+/// target (the larger one of velocity and position, divided by the maximum jerk).
 fn straight_ramp(ends: &Ends, distance: f64) -> Rough {
     let (from, to) = (ends.start_acceleration, ends.end_acceleration);
     let time = (to - from).abs();
@@ -156,11 +160,11 @@ fn straight_ramp(ends: &Ends, distance: f64) -> Rough {
     (plan, velocity_error.abs().max((distance - travelled).abs()))
 }
 
-/// Returns the time-optimal motion.
+/// Returns the time-optimal motion over `distance`; all quantities are divided by the maximum jerk `jerk`.
 ///
-/// A motion that misses the target by rounding replaces the exact one. Where the target has a velocity or an
-/// acceleration, the shortest duration jumps: past the target by a rounding error, an axis must go back. So a motion that
-/// is planned anew on its way must not miss its own rest by rounding.
+/// A motion that misses the target only by rounding replaces the exact one if it is much shorter. At a target with a
+/// velocity or an acceleration, the shortest duration jumps: an axis that is past the target by a rounding error would
+/// have to return. So a motion that is planned again on its way must not miss its own end by rounding.
 fn fastest(ends: &Ends, distance: f64, jerk: f64) -> Plan {
     let (mut best, rough) = candidates(ends, distance, TOLERANCE / jerk);
     // Twice the time from rest to rest over a distance of the tolerance.
@@ -179,11 +183,12 @@ fn fastest(ends: &Ends, distance: f64, jerk: f64) -> Plan {
         .unwrap_or(best)
 }
 
-/// Returns the shortest motion to an end velocity that cannot be distinguished from that of the target, if the shape of the
-/// shortest change of velocity changes there.
+/// Returns the shortest motion to an end velocity that differs from that of the target by rounding only, if the shape
+/// of the shortest change of velocity changes at the target velocity; `None` otherwise.
 ///
-/// This is so for a change with one ramp, and for one in which the acceleration just reaches zero. Beside it, the
-/// position after the change grows with the root of the difference: a rounding error of 1e-14 m/s makes it 1e-6 m.
+/// The shape changes where the change of velocity consists of one ramp of the acceleration, or where the acceleration
+/// just reaches zero. Near this, the position after the change grows with the root of the difference of velocity: a
+/// rounding error of 1e-14 m/s moves it by 1e-6 m.
 fn near_change_of_shape(ends: &Ends, distance: f64, jerk: f64) -> Option<Plan> {
     let (from, to) = (ends.start_acceleration, ends.end_acceleration);
     let squares = from * from + to * to;
@@ -214,10 +219,11 @@ fn near_change_of_shape(ends: &Ends, distance: f64, jerk: f64) -> Option<Plan> {
     best
 }
 
-/// Returns the time-optimal motion without a return into the limits, if it exists and the return is not needed.
+/// Returns the time-optimal motion without a return into the limits; `None` if there is none, or if the return is
+/// needed.
 ///
-/// The velocity of a target with an acceleration may be such that it exceeds its limit afterwards. The states on the last
-/// part of the way to it do so as well: they count as outside of the limits, but are not.
+/// A target with an acceleration may have a velocity that exceeds its limit after the target. The states on the last
+/// part of the way to such a target do so as well: they count as outside of the limits although they are not.
 fn direct(ends: &Ends, distance: f64, jerk: f64) -> Option<Plan> {
     let Ends {
         start_velocity: v,
@@ -251,11 +257,12 @@ fn direct(ends: &Ends, distance: f64, jerk: f64) -> Option<Plan> {
     Some(plan)
 }
 
-/// Returns the time-optimal motion, and a motion before it that misses the target by less than `tolerance`.
+/// Returns the time-optimal motion, and a shorter motion that misses the target by less than `tolerance`, if there is
+/// one.
 ///
-/// A duration is possible if the target is between the travels of both extremal motions with this duration, so the
-/// shortest one is the first at which one of both reaches the target. Both have the same travel at the start of a
-/// segment, which decides the one to search.
+/// A duration is possible if the target lies between the travels of both extremal motions with this duration. So the
+/// shortest duration is the first one at which one of them reaches the target. Both have the same travel at the start
+/// of a segment, which decides the one to search.
 fn candidates(ends: &Ends, distance: f64, tolerance: f64) -> (Plan, Option<Rough>) {
     let farthest = Family::new(ends);
     let mut nearest = None;

@@ -5,10 +5,11 @@
 
 use super::family::Ends;
 
-/// Share by which a start may exceed a limit of the velocity by rounding; the limit is widened to it.
+/// Share by which a start may exceed a limit of the velocity by rounding without counting as outside of it.
 const SLACK: f64 = 1e-12;
 
-/// Return into the limits: durations with the jerk of each, and the state at its end.
+/// Return of a start state into the limits: up to four phases (duration, sign of the jerk), and the state at its end.
+/// All quantities are divided by the maximum jerk.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Return {
     pub(super) phases: [(f64, f64); 4],
@@ -32,7 +33,7 @@ impl Return {
     }
 }
 
-/// Returns the fastest return of the start into the limits; without duration if it is within them.
+/// Returns the fastest return of the start into the limits. Its duration is 0 if the start is within them.
 pub(super) fn return_into_limits(ends: &Ends) -> Return {
     let mut way = Return {
         velocity: ends.start_velocity,
@@ -79,8 +80,8 @@ fn is_too_fast(way: &Return, max_velocity: f64, min_velocity: f64) -> bool {
     v > highest && v - a * a / 2.0 >= min_velocity * (1.0 + SLACK)
 }
 
-/// Adds the fastest fall to the maximum velocity. The acceleration there must be able to decay before the minimum
-/// velocity is reached.
+/// Adds to `way` the fastest fall of the velocity to its maximum. The acceleration at its end must be able to decay
+/// before the minimum velocity is reached.
 fn slow_down(way: &mut Return, ends: &Ends) {
     let (v, a) = (way.velocity, way.acceleration);
     let coasting = v + a * a / 2.0;

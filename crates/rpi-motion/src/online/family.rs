@@ -12,7 +12,8 @@ use super::lines::{Lines, Shape};
 use super::pieces::{Part, Piece, Pieces};
 use rpi_kin::state_to_rest::AxisState;
 
-/// Velocities and accelerations at both ends, and limits, divided by the maximum jerk.
+/// Velocities and accelerations at the start and at the end of a motion, and limits. All are divided by the maximum
+/// jerk, so that velocities are in s² and accelerations in s.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Ends {
     pub(super) start_velocity: f64,
@@ -54,24 +55,27 @@ impl Ends {
     }
 }
 
-/// Durations of constant jerk: rise, hold, fall, cruise, fall, hold, rise.
+/// Durations (s) of the seven phases of constant jerk, named by the acceleration: rise, hold, fall, cruise, fall, hold,
+/// rise.
 pub(super) type Times = [f64; 7];
 
-/// Family of the motions with the longest travel.
+/// Family of extremal motions between two velocities and accelerations: for each duration, the motion that travels
+/// farthest. The acceleration rises, falls and rises.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Family {
     lines: Lines,
     start_acceleration: f64,
-    /// What the motion between the lines has more than the motion between the ends.
+    /// Difference between the travel of a motion extended to acceleration 0 at both ends and that of the motion itself,
+    /// divided by the maximum jerk (s³).
     extra_position: f64,
     extra_time: f64,
-    /// The lines are those of the motion in reversed time.
+    /// True if the values in `lines` are those of the motion in reversed time.
     reversed: bool,
     pieces: Pieces,
 }
 
 impl Family {
-    /// Creates the family. Ends beyond the limits widen these.
+    /// Creates the family of the motions between the given ends. Limits that start or end exceed are widened to them.
     pub(super) fn new(ends: &Ends) -> Self {
         let (a0, af) = (ends.start_acceleration, ends.end_acceleration);
         let first = ends.start_velocity - a0 * a0 / 2.0;
@@ -117,22 +121,23 @@ impl Family {
         }
     }
 
-    /// Whether there are two segments.
+    /// Returns true if the possible durations form two separate intervals (segments).
     pub(super) fn has_two_segments(&self) -> bool {
         self.pieces.has_two_segments()
     }
 
-    /// Travel of a motion.
+    /// Returns the travel of a motion of the family, divided by the maximum jerk (s³).
     pub(super) fn position(&self, member: Member) -> f64 {
         self.lines.position(member) - self.extra_position
     }
 
-    /// Duration of a motion.
+    /// Returns the duration of a motion of the family, s.
     pub(super) fn duration(&self, member: Member) -> f64 {
         self.lines.duration(member) - self.extra_time
     }
 
-    /// First motion of a segment, which is the shortest change of velocity, or the shortest after the gap.
+    /// Returns the shortest motion of a segment of the family: of the first of two segments if `is_first`, else of the
+    /// last or only one.
     pub(super) fn segment_start(&self, is_first: bool) -> Member {
         let piece = &self.pieces.segment(is_first)[0];
         Member {
@@ -141,8 +146,9 @@ impl Family {
         }
     }
 
-    /// Returns the first motion of a segment that travels `distance`, provided that its start travels less. An extremum
-    /// or an end that misses the distance by `tolerance` counts as reaching it.
+    /// Returns the shortest motion of a segment that travels `distance`, provided that the first motion of the segment
+    /// travels less; `None` if there is none. An extremum of the travel, or the end of the segment, that misses the
+    /// distance by at most `tolerance` counts as reaching it.
     pub(super) fn first_reaching(
         &self,
         is_first: bool,
@@ -164,8 +170,9 @@ impl Family {
         found
     }
 
-    /// Returns the shortest motion that cannot be distinguished from a root within the rounding of its position. Near an
-    /// extremum this rounding is worth up to 1e-5 s, and motions planned anew on their way would become longer each time.
+    /// Returns the shortest motion whose travel differs from `target` by rounding only, near to the solution `member`.
+    /// Near an extremum of the travel, this rounding changes the duration by up to 1e-5 s, and motions that are planned
+    /// again on their way would become longer each time.
     fn shortened(&self, part: &Part, member: Member, target: f64) -> Member {
         let slope = self.lines.slope(member).abs();
         let duration = self.lines.duration(member);
@@ -190,7 +197,8 @@ impl Family {
         member
     }
 
-    /// Collects the durations of all motions that travel `distance`, and of the ends of the segments.
+    /// Calls `add` with the durations (s) of all motions that travel `distance`, and with those of the ends of the
+    /// segments.
     pub(super) fn durations_at(&self, distance: f64, mut add: impl FnMut(f64)) {
         let target = distance + self.extra_position;
         for is_first in [true, false] {
@@ -216,7 +224,8 @@ impl Family {
         }
     }
 
-    /// Returns the motion with a given duration, if the end velocity can be reached in it.
+    /// Returns the motion of the family that takes `duration` (s); `None` if the end velocity cannot be reached in this
+    /// time.
     pub(super) fn with_duration(&self, duration: f64) -> Option<Member> {
         let between_lines = duration + self.extra_time;
         // Rounding at the limits of a segment.
@@ -242,7 +251,8 @@ impl Family {
         None
     }
 
-    /// Visits the intervals of a segment in which the position is monotone, until `visit` returns true.
+    /// Calls `visit` with the parts of a segment in which the travel only grows or only shrinks with the duration,
+    /// until `visit` returns true.
     fn walk(&self, is_first: bool, target: f64, mut visit: impl FnMut(&Part) -> bool) {
         let pieces = self.pieces.segment(is_first);
         for (number, piece) in pieces.iter().enumerate() {
@@ -276,7 +286,7 @@ impl Family {
         }
     }
 
-    /// Accelerations and times of a motion, in the direction of time of the lines.
+    /// Returns the accelerations and hold times of a motion of the family, in reversed time if `lines` are reversed.
     pub(super) fn shape(&self, member: Member) -> Shape {
         let mut shape = self.lines.shape(member);
         // The acceleration at an end is never passed by rounding: a cruise that starts with the smallest acceleration
@@ -286,14 +296,15 @@ impl Family {
         shape
     }
 
-    /// Velocity at the moment at which the acceleration falls through zero, if it does.
+    /// Returns the velocity (divided by the maximum jerk, s²) at which the acceleration of a motion falls through zero;
+    /// `None` if it does not.
     pub(super) fn peak_velocity(&self, member: Member) -> Option<f64> {
         let shape = self.shape(member);
         let peak = self.lines.first + shape.peak * (shape.peak + shape.peak_hold);
         (shape.peak >= 0.0 && shape.trough <= 0.0).then_some(peak)
     }
 
-    /// Durations of the seven phases of a motion.
+    /// Returns the durations (s) of the seven phases of a motion of the family.
     pub(super) fn times(&self, member: Member) -> Times {
         let shape = self.shape(member);
         let (fall, cruise, second_fall) = match shape.cruise {
@@ -317,7 +328,7 @@ impl Family {
     }
 }
 
-/// Maximum velocity, or that which start and end demand if they exceed it by rounding.
+/// Returns the maximum velocity of the limits, or the one that start and end of the motion need if it is higher.
 fn widened_velocity(ends: &Ends) -> f64 {
     let (a0, af) = (ends.start_acceleration, ends.end_acceleration);
     ends.max_velocity

@@ -5,40 +5,41 @@ use rpi_kin::state_to_rest::{AxisState, Bounds};
 /// Limits of one axis, in rad and s, or m and s. The limits of velocity and acceleration may differ by direction.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct AxisLimits {
-    /// Maximum velocity; positive.
+    /// Maximum velocity, rad/s or m/s; positive.
     pub max_velocity: f64,
-    /// Minimum velocity; negative.
+    /// Minimum velocity: the maximum speed in the negative direction, with a minus sign, rad/s or m/s; negative.
     pub min_velocity: f64,
-    /// Maximum acceleration; positive.
+    /// Maximum acceleration, rad/s² or m/s²; positive.
     pub max_acceleration: f64,
-    /// Minimum acceleration; negative.
+    /// Minimum acceleration: the maximum magnitude in the negative direction, with a minus sign, rad/s² or m/s²;
+    /// negative.
     pub min_acceleration: f64,
-    /// Maximum magnitude of the jerk; positive.
+    /// Maximum magnitude of the jerk in both directions, rad/s³ or m/s³; positive.
     pub max_jerk: f64,
 }
 
-/// Error of a request for a motion, with the axis, from 0.
+/// Error of a request for a motion: the axis and the kind of the error.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct OnlineError {
     /// Axis whose request is invalid, counted from 0.
     pub axis: usize,
-    /// The reason.
+    /// Kind of the error in the request.
     pub kind: OnlineErrorKind,
 }
 
 /// Reason why a request for a motion is invalid.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum OnlineErrorKind {
-    /// A number of the start, the target or the options is infinite or not a number, or so large that its square is.
+    /// A number of the start, the target or the options is not a number, infinite, or larger in magnitude than 1e15.
     NotFinite,
-    /// A limit has the wrong sign or is zero, infinite or not a number.
+    /// A limit has the wrong sign, or its magnitude is zero, not a number, or outside 1e-15 to 1e15.
     Limits,
-    /// The velocity of the target is outside the limits.
+    /// The velocity of the target is outside the limits of the velocity.
     TargetVelocity,
-    /// The acceleration of the target is outside the limits.
+    /// The acceleration of the target is outside the limits of the acceleration.
     TargetAcceleration,
-    /// With the acceleration of the target, the velocity just before the target is outside the limits: the acceleration
-    /// cannot be built up within them.
+    /// The velocity just before the target would have to be outside its limits, because the acceleration of the target
+    /// takes time to build up.
     TargetApproach,
 }
 
@@ -75,10 +76,11 @@ impl core::fmt::Display for OnlineError {
 
 impl core::error::Error for OnlineError {}
 
-/// Share by which a target may exceed a limit by rounding.
+/// Share by which a target may exceed a limit due to rounding.
 const SLACK: f64 = 1e-12;
 
-/// Largest magnitude of a value, and largest ratio of two limits. Beyond it, products in the formulas lose their meaning.
+/// Maximum magnitude of an accepted value, in its own unit; 1 divided by it is the minimum magnitude of a limit. Beyond
+/// it, the formulas lose all digits to rounding.
 const LARGEST: f64 = 1e15;
 
 impl From<Bounds> for AxisLimits {
@@ -94,7 +96,7 @@ impl From<Bounds> for AxisLimits {
 }
 
 impl AxisLimits {
-    /// Checks the signs of the limits.
+    /// Checks that all limits have the right sign and a usable magnitude.
     pub(super) fn check(&self) -> Result<(), OnlineErrorKind> {
         let positive = [
             self.max_velocity,
@@ -111,7 +113,7 @@ impl AxisLimits {
         }
     }
 
-    /// Checks that a target is within the limits of acceleration.
+    /// Checks that the acceleration of a target is within the limits.
     pub(super) fn check_acceleration(&self, target: &AxisState) -> Result<(), OnlineErrorKind> {
         let a = target.acceleration;
         let slack = 1.0 + SLACK;
@@ -121,7 +123,8 @@ impl AxisLimits {
         Ok(())
     }
 
-    /// Checks that a target is within the limits, and that its acceleration can be built up within them.
+    /// Checks that velocity and acceleration of a target are within the limits, and that its acceleration can be built
+    /// up without exceeding the limits of the velocity.
     pub(super) fn check_target(&self, target: &AxisState) -> Result<(), OnlineErrorKind> {
         self.check_acceleration(target)?;
         let (v, a) = (target.velocity, target.acceleration);
@@ -138,7 +141,7 @@ impl AxisLimits {
     }
 }
 
-/// Checks that all numbers of a state are finite and of a usable size.
+/// Checks that all numbers of a state are finite and not too large for the formulas.
 pub(super) fn check_finite(state: &AxisState) -> Result<(), OnlineErrorKind> {
     let numbers = [state.position, state.velocity, state.acceleration];
     if numbers.iter().all(|number| number.abs() <= LARGEST) {

@@ -2,54 +2,58 @@
 //!
 //! All values are divided by the maximum jerk, so that the jerk is 1 and an acceleration is a time.
 
-/// Kind of a piece: which limits of the acceleration and the velocity are reached.
+/// Kind of a piece of a family of extremal motions: which limits of the acceleration and the velocity the motions
+/// reach. Each piece has one parameter, and all quantities are divided by the maximum jerk.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub(super) enum PieceKind {
-    /// No limit is reached. The parameter is the duration of the falling acceleration.
+    /// No limit is reached. The parameter is the duration of the phase in which the acceleration falls (s).
     #[default]
     Switching,
-    /// The maximum acceleration is held. The parameter is the depth of the dip below it.
+    /// The maximum acceleration is held for a time. The parameter is the depth of the following dip below it (s).
     HoldHigh,
-    /// The minimum acceleration is held. The parameter is the height of the bump above it.
+    /// The minimum acceleration is held for a time. The parameter is the height of the preceding peak above it (s).
     HoldLow,
-    /// Both are held. The parameter is the peak velocity.
+    /// The maximum and the minimum acceleration are both held for a time. The parameter is the peak velocity (s²).
     HoldBoth,
-    /// The maximum velocity is held. The parameter is the time at it.
+    /// The maximum velocity is held for a time. The parameter is this time (s).
     Cruise,
 }
 
-/// Motion of a family: the piece and its parameter.
+/// One motion of a family of extremal motions: its piece (`kind`) and the value of the parameter of the piece (`at`).
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Member {
     pub(super) kind: PieceKind,
     pub(super) at: f64,
 }
 
-/// Rising, falling and rising acceleration, between two *lines*: motions with the jerk 1 through the start and through
-/// the end, each extended to the acceleration 0. Position and duration count between these two zeros.
+/// Boundary values of a family of motions whose acceleration rises, falls and rises. A *line* is the motion with the
+/// jerk 1 through the start, or through the end, extended to the acceleration 0. Positions and durations count between
+/// these two zeros.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Lines {
-    /// Velocity of the first line at the acceleration 0.
+    /// Velocity at which the first line has the acceleration 0, divided by the maximum jerk (s²).
     pub(super) first: f64,
-    /// Velocity of the last line at the acceleration 0.
+    /// Velocity at which the last line has the acceleration 0, divided by the maximum jerk (s²).
     pub(super) last: f64,
-    /// `last - first`; not negative.
+    /// Change of velocity between the two lines, `last - first`, divided by the maximum jerk (s²); not negative.
     pub(super) gain: f64,
-    /// Maximum acceleration; positive.
+    /// Maximum acceleration, divided by the maximum jerk (s); positive.
     pub(super) top: f64,
-    /// Magnitude of the minimum acceleration; positive.
+    /// Magnitude of the minimum acceleration, divided by the maximum jerk (s); positive.
     pub(super) bottom: f64,
-    /// Change of velocity from the first line to the maximum velocity; not below `gain`.
+    /// Change of velocity from the first line to the maximum velocity, divided by the maximum jerk (s²); not below `gain`.
     pub(super) rise: f64,
-    /// Change of velocity from the maximum velocity to the last line; not negative.
+    /// Change of velocity from the maximum velocity to the last line, divided by the maximum jerk (s²); not negative.
     pub(super) fall: f64,
-    /// Maximum velocity.
+    /// Maximum velocity, divided by the maximum jerk (s²).
     pub(super) fastest: f64,
-    /// Acceleration at the end of the motion; decides the shape where start and end lie on one line.
+    /// Acceleration at the end of the motion, divided by the maximum jerk (s). It decides the shape of a motion whose
+    /// start and end lie on the same line.
     pub(super) end_acceleration: f64,
 }
 
-/// Accelerations and times of a motion of the family.
+/// Accelerations and hold times of a motion, divided by the maximum jerk: peak and its hold, cruise, trough and its
+/// hold.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Shape {
     pub(super) peak: f64,
@@ -59,7 +63,8 @@ pub(super) struct Shape {
     pub(super) trough_hold: f64,
 }
 
-/// Motion with one held acceleration: its magnitude, and the velocities of both lines at that acceleration.
+/// Motions in which one acceleration, `level`, is held for a time, described by the velocities of both lines at this
+/// acceleration (`from`, `to`). All quantities are divided by the maximum jerk.
 #[derive(Clone, Copy)]
 struct Hold {
     level: f64,
@@ -69,7 +74,7 @@ struct Hold {
 }
 
 impl Hold {
-    /// Velocity at the end of the hold before a dip of a given depth.
+    /// Returns the velocity at the end of the hold that precedes a dip of the acceleration of depth `dip`.
     fn velocity(&self, dip: f64) -> f64 {
         self.to + dip * (dip - 2.0 * self.level)
     }
@@ -97,7 +102,7 @@ impl Hold {
         libm::sqrt((self.level * duration - self.gain).max(0.0))
     }
 
-    /// Dips at which the position has an extremum.
+    /// Returns the depths of the dip at which the position has an extremum; `None` if there are none.
     fn extrema(&self) -> Option<[f64; 2]> {
         let centre = 0.75 * self.level;
         let radius = centre * centre - self.to;
@@ -119,7 +124,7 @@ impl Lines {
         }
     }
 
-    /// The hold at the minimum acceleration is that at the maximum in reversed time.
+    /// Returns the motions with a held minimum acceleration: those with a held maximum acceleration in reversed time.
     fn low(&self) -> Hold {
         let risen = self.bottom * self.bottom / 2.0;
         Hold {
@@ -130,7 +135,8 @@ impl Lines {
         }
     }
 
-    /// Sum of both peaks of the acceleration if no limit is reached.
+    /// Returns the sum of the peak and the trough of the acceleration if no limit is reached and the acceleration falls
+    /// for the time `fall`.
     fn sum(&self, fall: f64) -> f64 {
         if fall > 0.0 {
             self.gain / fall
@@ -139,7 +145,7 @@ impl Lines {
         }
     }
 
-    /// Position of the motion.
+    /// Returns the travel of a motion between the zeros of its lines, divided by the maximum jerk (s³).
     pub(super) fn position(&self, member: Member) -> f64 {
         let x = member.at;
         match member.kind {
@@ -160,7 +166,7 @@ impl Lines {
         }
     }
 
-    /// Derivative of the position by the parameter.
+    /// Returns the derivative of the travel of a motion with respect to the parameter of its piece.
     pub(super) fn slope(&self, member: Member) -> f64 {
         let x = member.at;
         match member.kind {
@@ -175,7 +181,7 @@ impl Lines {
         }
     }
 
-    /// Duration of the motion; grows with the parameter.
+    /// Returns the duration (s) of a motion between the zeros of its lines; it grows with the parameter of the piece.
     pub(super) fn duration(&self, member: Member) -> f64 {
         let x = member.at;
         match member.kind {
@@ -187,7 +193,7 @@ impl Lines {
         }
     }
 
-    /// Parameter of the motion of a piece with a given duration.
+    /// Returns the motion of the family that consists of a piece of this kind and takes `duration` (s).
     pub(super) fn at_duration(&self, kind: PieceKind, duration: f64) -> Member {
         let at = match kind {
             PieceKind::Switching => duration / 2.0,
@@ -204,7 +210,7 @@ impl Lines {
         Member { kind, at }
     }
 
-    /// Parameters at which the position of a piece has an extremum, in order; NaN where there is none.
+    /// Returns the parameters of a piece at which the travel has an extremum, in ascending order; NaN if there is none.
     pub(super) fn extrema(&self, kind: PieceKind) -> [f64; 2] {
         const NONE: [f64; 2] = [f64::NAN; 2];
         match kind {
@@ -226,7 +232,8 @@ impl Lines {
         }
     }
 
-    /// Durations of the rise to a peak velocity and the fall from it, both with a held acceleration.
+    /// Returns the durations (s) of the rise to the velocity `peak` and of the fall from it, both with a held
+    /// acceleration.
     fn ramps(&self, peak: f64) -> [f64; 2] {
         [
             (peak - self.first) / self.top + self.top,
@@ -245,7 +252,7 @@ impl Lines {
         [ramp(self.rise, self.top), ramp(self.fall, self.bottom)]
     }
 
-    /// Accelerations and times of the motion.
+    /// Returns the accelerations and hold times of a motion of the family.
     pub(super) fn shape(&self, member: Member) -> Shape {
         let x = member.at;
         let mut shape = Shape {

@@ -7,12 +7,12 @@ use super::straight::{straight_change, straight_line};
 use super::velocity_axis::VelocityPlanner;
 use rpi_kin::state_to_rest::AxisState;
 
-/// Way in which the axes of one motion depend on each other.
+/// Way in which the durations of the axes of one motion depend on each other.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Synchronization {
-    /// Each axis moves as fast as it can.
+    /// Each axis moves as fast as it can, without regard to the other axes.
     None,
-    /// All axes end at the same time, the shortest possible one.
+    /// All axes end at the same time, as early as possible.
     #[default]
     Time,
     /// All axes move in proportion to each other, on a straight line in joint space, if their states at the start and at
@@ -21,16 +21,16 @@ pub enum Synchronization {
     Phase,
 }
 
-/// Choices for a motion of several axes: synchronisation and minimum duration.
+/// Options of a motion of several axes: synchronisation and minimum duration.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct MotionOptions {
-    /// Synchronisation of the axes.
+    /// Synchronisation of the axes with each other.
     pub synchronization: Synchronization,
     /// Minimum duration, s; not negative. The motion takes the shortest possible duration that is not below it.
     pub minimum_duration: f64,
 }
 
-/// Planned motion of `N` axes.
+/// Planned motion of `N` axes from their present states to their targets, within the limits of each axis.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct OnlineMotion<const N: usize> {
     axes: [AxisProfile; N],
@@ -43,7 +43,6 @@ impl<const N: usize> OnlineMotion<N> {
     /// `limits`. A start outside of the limits is first brought back into them, as fast as possible.
     ///
     /// # Errors
-    ///
     /// A number that is not finite, limits with a wrong sign, or a target outside of the limits.
     pub fn to_position(
         start: &[AxisState; N],
@@ -62,11 +61,10 @@ impl<const N: usize> OnlineMotion<N> {
     }
 
     /// Plans the time-optimal motion from `start` to the velocity and acceleration of `target` within the limits of
-    /// acceleration and jerk. The position of the target and the limits of the velocity are not used; the velocity lies
-    /// between those of start and target, apart from what the accelerations there demand.
+    /// acceleration and jerk. The position of the target and the limits of the velocity are not used. The velocity
+    /// stays between those of start and target, except as far as the accelerations there demand.
     ///
     /// # Errors
-    ///
     /// A number that is not finite, limits with a wrong sign, or a target acceleration outside of the limits.
     pub fn to_velocity(
         start: &[AxisState; N],
@@ -92,8 +90,8 @@ impl<const N: usize> OnlineMotion<N> {
         }
     }
 
-    /// Plans axes on a straight line if that is wanted and possible, else each by its planner. `line` gets the minimum
-    /// duration, s.
+    /// Plans the motion of the axes on a straight line if this is requested and possible, else of each axis by its
+    /// planner. `line` plans on a straight line and gets the minimum duration, s.
     fn plan<P: Planner>(
         line: impl FnOnce(f64) -> Option<[AxisProfile; N]>,
         planner: impl FnMut(usize) -> P,
@@ -121,37 +119,38 @@ impl<const N: usize> OnlineMotion<N> {
         Self::new(core::array::from_fn(alone), Synchronization::None)
     }
 
-    /// Duration, s: that of the axis which takes longest.
+    /// Returns the duration of the motion (s): that of the axis that takes longest.
     #[must_use]
     pub fn duration(&self) -> f64 {
         self.duration
     }
 
-    /// Motions of the axes.
+    /// Returns the motion of each axis, in the order of the axes of the request.
     #[must_use]
     pub fn axes(&self) -> &[AxisProfile; N] {
         &self.axes
     }
 
-    /// Synchronisation that the motion has.
+    /// Returns the synchronisation of the planned motion, which is [`Synchronization::Time`] if a straight line was
+    /// requested but is impossible.
     #[must_use]
     pub fn synchronization(&self) -> Synchronization {
         self.synchronization
     }
 
-    /// States of the axes `time` seconds after the start; see [`AxisProfile::state_at`].
+    /// Returns the states of the axes `time` seconds after the start; see [`AxisProfile::state_at`].
     #[must_use]
     pub fn state_at(&self, time: f64) -> [AxisState; N] {
         core::array::from_fn(|axis| self.axes[axis].state_at(time))
     }
 
-    /// Jerks of the axes `time` seconds after the start.
+    /// Returns the jerks of the axes `time` seconds after the start, rad/s³ or m/s³.
     #[must_use]
     pub fn jerk_at(&self, time: f64) -> [f64; N] {
         core::array::from_fn(|axis| self.axes[axis].jerk_at(time))
     }
 
-    /// Smallest and largest position of each axis from the start to the end.
+    /// Returns the smallest and largest position of each axis between start and end of the motion.
     #[must_use]
     pub fn position_extrema(&self) -> [PositionExtrema; N] {
         core::array::from_fn(|axis| self.axes[axis].position_extrema())
@@ -175,11 +174,11 @@ fn check(
     }
 }
 
-/// Maximum number of durations per axis at which it changes whether there is a motion.
+/// Maximum number of durations, per axis, at which motions of exactly this duration begin or cease to exist.
 const CHANGES: usize = 24;
 
-/// Plans motions of the shortest common duration that is not below `minimum`. Between the shortest duration of an axis
-/// and longer ones there may be gaps without a motion; the ends of these gaps are tried in order.
+/// Plans motions with the shortest common duration that is not below `minimum` (s); `None` if there is none. An axis
+/// may have no motion for some durations above its shortest one; the ends of these gaps are tried in order.
 pub(super) fn at_one_time<const M: usize>(
     planners: &[impl Planner; M],
     minimum: f64,

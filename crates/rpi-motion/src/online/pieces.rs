@@ -3,7 +3,8 @@
 use super::lines::{Lines, Member, PieceKind};
 use super::root::root;
 
-/// Interval of the parameter of a family in which the same limits are reached.
+/// Piece of a family of extremal motions: an interval (`low` to `high`) of its parameter in which the same limits are
+/// reached.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Piece {
     pub(super) kind: PieceKind,
@@ -11,24 +12,25 @@ pub(super) struct Piece {
     pub(super) high: f64,
 }
 
-/// Pieces of a family in one or two segments.
+/// Pieces of a family of extremal motions, in the order of their durations, in one or two segments without gaps.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Pieces {
     pieces: [Piece; 8],
     count: usize,
-    /// Number of pieces of the first segment if there are two.
+    /// Number of pieces of the first segment; 0 if there is only one segment.
     split: usize,
 }
 
-/// Bounds of the switching piece: `side` is the magnitude of the trough at which the peak reaches the maximum
-/// acceleration without a hold, if `room`, its square, is positive.
+/// Bounds of the piece whose motions reach no limit: `side` is the magnitude of the trough of the acceleration whose
+/// peak just reaches the maximum acceleration. `room` is its square; if it is not positive, there is no such motion.
 struct Bounds {
     room: f64,
     side: f64,
 }
 
 impl Pieces {
-    /// Collects the pieces of a family that starts with an acceleration.
+    /// Collects the intervals of the parameter in which the profiles of a family have one shape. `lines` are the boundary
+    /// values of the family, `start` is the acceleration at the start of its profiles.
     pub(super) fn new(lines: &Lines, start: f64) -> Self {
         let room = lines.top * lines.top - lines.gain;
         let bounds = Bounds {
@@ -52,8 +54,8 @@ impl Pieces {
         }
     }
 
-    /// Adds the first segment, or the piece before the switching one, in which the trough is still positive. Returns the
-    /// shortest fall of the acceleration after it.
+    /// Adds the first segment, or the piece in which the trough of the acceleration is still positive. Returns the
+    /// shortest duration (s) of the falling acceleration in the piece after it.
     fn add_before_zero(&mut self, lines: &Lines, start: f64, bounds: &Bounds) -> f64 {
         let (gain, top, end) = (lines.gain, lines.top, lines.end_acceleration);
         let end_root = libm::sqrt(end * end + gain);
@@ -87,7 +89,8 @@ impl Pieces {
         }
     }
 
-    /// Adds the pieces that reach no limit of the acceleration, or one of them.
+    /// Adds the pieces whose motions reach no limit of the acceleration, or only one of both. `shortest` is the
+    /// shortest duration (s) of the falling acceleration.
     fn add_without_both(&mut self, lines: &Lines, start: f64, shortest: f64, bounds: &Bounds) {
         let Lines {
             gain,
@@ -118,12 +121,12 @@ impl Pieces {
         }
     }
 
-    /// Whether there are two segments.
+    /// Returns true if the possible durations form two separate intervals (segments).
     pub(super) fn has_two_segments(&self) -> bool {
         self.split > 0
     }
 
-    /// Pieces of the first of two segments, or of the last one.
+    /// Returns the pieces of the first of two segments if `is_first`, else of the last or only segment.
     pub(super) fn segment(&self, is_first: bool) -> &[Piece] {
         let (from, to) = if is_first {
             (0, self.split)
@@ -134,7 +137,8 @@ impl Pieces {
     }
 }
 
-/// Interval of a piece in which the position is monotone, with its distances from the target at both ends.
+/// Part of a piece in which the position only grows or only shrinks: an interval of the parameter (`low` to `high`),
+/// with the distance of the position from the target at both ends (`off_low`, `off_high`).
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Part {
     pub(super) kind: PieceKind,
@@ -142,12 +146,12 @@ pub(super) struct Part {
     pub(super) off_low: f64,
     pub(super) high: f64,
     pub(super) off_high: f64,
-    /// The high end is an extremum of the position, or the end of the segment.
+    /// True if the position has an extremum at `high`, or if the segment ends there.
     pub(super) is_extremum: bool,
 }
 
 impl Part {
-    /// Returns the motion of the interval that is nearest to the target.
+    /// Returns the motion of this part whose position is nearest to `target`.
     pub(super) fn solve(&self, lines: &Lines, target: f64) -> Member {
         let kind = self.kind;
         let at = if kind == PieceKind::Cruise {

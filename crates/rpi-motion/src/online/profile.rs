@@ -16,7 +16,7 @@ pub struct PositionExtrema {
     pub time_of_max: f64,
 }
 
-/// Planned motion of one axis.
+/// Planned motion of one axis, as phases of constant jerk.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct AxisProfile {
     start: AxisState,
@@ -24,7 +24,8 @@ pub struct AxisProfile {
     phases: [JerkPhase; Self::MAX_PHASES],
     count: usize,
     duration: f64,
-    /// Drift of the position, which brings the last phase to the target: rounding, and what a motion may miss.
+    /// Velocity, rad/s or m/s, by which the position is corrected over the whole motion, so that it ends exactly at the
+    /// target despite rounding.
     drift: f64,
 }
 
@@ -32,7 +33,7 @@ impl AxisProfile {
     /// Maximum number of phases: four of the return into the limits, and two superimposed motions of seven.
     pub const MAX_PHASES: usize = 18;
 
-    /// Motion without duration.
+    /// Creates a profile without duration from `start` to `end`, to which phases are appended.
     pub(super) fn standing(start: AxisState, end: AxisState) -> Self {
         Self {
             start,
@@ -44,7 +45,8 @@ impl AxisProfile {
         }
     }
 
-    /// Appends a phase. One without duration is left out, and one with the jerk of the last phase prolongs it.
+    /// Appends a phase of `duration` seconds with constant `jerk`. A phase without duration is left out; a phase with
+    /// the jerk of the last one prolongs the last one.
     pub(super) fn push(&mut self, duration: f64, jerk: f64) {
         if duration <= 0.0 {
             return;
@@ -59,7 +61,8 @@ impl AxisProfile {
         }
     }
 
-    /// Completes a motion to the position of its target. `duration` differs from the sum of the phases by rounding only.
+    /// Completes a motion to the position of its target. `duration` (s) may differ from the sum of the phases by
+    /// rounding.
     pub(super) fn finished(mut self, duration: f64) -> Self {
         self.duration = duration;
         let missed = self.end.position - self.integrated().position;
@@ -69,7 +72,8 @@ impl AxisProfile {
         self
     }
 
-    /// Completes a motion without a goal for the position.
+    /// Completes a motion whose target has no position: the end gets the position that the axis reaches. `duration` (s)
+    /// may differ from the sum of the phases by rounding.
     pub(super) fn released(mut self, duration: f64) -> Self {
         self.duration = duration;
         self.end.position = self.integrated().position;
@@ -80,13 +84,13 @@ impl AxisProfile {
         self.phases().iter().fold(self.start, advance)
     }
 
-    /// Phases of constant jerk in order, without those of no duration.
+    /// Returns the phases of constant jerk in order, without those that have no duration.
     #[must_use]
     pub fn phases(&self) -> &[JerkPhase] {
         &self.phases[..self.count]
     }
 
-    /// Duration, s.
+    /// Returns the time from the start of the motion until the target is reached, s.
     #[must_use]
     pub fn duration(&self) -> f64 {
         self.duration
@@ -98,14 +102,14 @@ impl AxisProfile {
         self.start
     }
 
-    /// State at the end: the target.
+    /// Returns the state of the axis at the end of the motion: the target.
     #[must_use]
     pub fn end(&self) -> AxisState {
         self.end
     }
 
-    /// State `time` seconds after the start. Before the start it is that at the start, and at the end exactly the
-    /// target. After the end the axis goes on with the acceleration of the target.
+    /// Returns the state of the axis `time` seconds after the start. A negative time gives the state at the start, the
+    /// duration exactly the target. After the end, the axis continues with the acceleration of the target.
     #[must_use]
     pub fn state_at(&self, time: f64) -> AxisState {
         if time >= self.duration {
@@ -124,7 +128,7 @@ impl AxisProfile {
         state
     }
 
-    /// Jerk `time` seconds after the start; 0 before the start and after the end.
+    /// Returns the jerk (rad/s³ or m/s³) `time` seconds after the start; 0 before the start and after the end.
     #[must_use]
     pub fn jerk_at(&self, time: f64) -> f64 {
         let mut left = time;
@@ -137,7 +141,7 @@ impl AxisProfile {
             .map_or(0.0, |phase| phase.jerk)
     }
 
-    /// Smallest and largest position from the start to the end.
+    /// Returns the smallest and largest position between start and end of the motion, with their times.
     #[must_use]
     pub fn position_extrema(&self) -> PositionExtrema {
         let mut extrema = PositionExtrema {
@@ -178,8 +182,8 @@ fn advance(state: AxisState, phase: &JerkPhase) -> AxisState {
     state.advanced(phase.duration, phase.jerk)
 }
 
-/// Times at which the velocity of a phase is zero; infinite or NaN where there is none. The stable form of the quadratic
-/// formula.
+/// Returns the times (s, from the start of the phase) at which the velocity is zero if the phase lasts for ever;
+/// infinite or NaN if there is none. Uses the numerically stable form of the quadratic formula.
 fn turns(state: &AxisState, phase: &JerkPhase) -> [f64; 2] {
     let (v, a, half) = (state.velocity, state.acceleration, phase.jerk / 2.0);
     let sum = -(a + libm::copysign(libm::sqrt(a * a - 4.0 * half * v), a)) / 2.0;

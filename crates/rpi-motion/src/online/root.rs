@@ -1,11 +1,13 @@
 //! Root of a monotone function between two bounds.
 
-/// Maximum number of steps. A step that does not halve the one before is replaced by halving the interval.
+/// Maximum number of steps of the search. A step that does not halve the previous one is replaced by halving the
+/// interval.
 const STEPS: u32 = 130;
 
-/// Returns the root of a monotone function between two points with values of different signs; if the signs are equal,
-/// the point with the smaller magnitude. `function` returns value and derivative. Newton's method, with a bisection
-/// whenever a step leaves the interval or shrinks it too slowly (Press et al., Numerical Recipes, 9.4).
+/// Returns the root of a monotone function between two points (argument, value) with values of different signs; if the
+/// signs are equal, the argument whose value is smaller in magnitude. `function` returns value and derivative. Newton's
+/// method, with a bisection whenever a step leaves the interval or shrinks it too slowly (Press et al., Numerical
+/// Recipes, 9.4).
 pub(super) fn root(low: (f64, f64), high: (f64, f64), function: impl Fn(f64) -> (f64, f64)) -> f64 {
     let ((mut low, low_value), (mut high, high_value)) = (low, high);
     if (low_value < 0.0) == (high_value < 0.0) || low_value == 0.0 || high_value == 0.0 {

@@ -7,14 +7,14 @@ use super::profile::AxisProfile;
 use super::velocity_axis::VelocityPlanner;
 use rpi_kin::state_to_rest::AxisState;
 
-/// Deviation from a straight line that counts as rounding, as a share of the largest value of all axes.
+/// Deviation from a straight line in joint space that counts as rounding, as a share of the largest value of all axes.
 const SLACK: f64 = 1e-10;
 
-/// Displacement, and velocity and acceleration at the start and at the target.
+/// Values of one axis: displacement, velocity and acceleration at the start, velocity and acceleration at the target.
 type Row = [f64; 5];
 
-/// Plans the time-optimal motion to a position on a straight line. Returns `None` if the displacement, the velocities and
-/// the accelerations of the axes are not all in one proportion.
+/// Plans the time-optimal motion to a target position on a straight line in joint space. Returns `None` if
+/// displacements, velocities and accelerations of the axes are not all in one proportion.
 pub(super) fn straight_line<const N: usize>(
     start: &[AxisState; N],
     target: &[AxisState; N],
@@ -34,7 +34,8 @@ pub(super) fn straight_line<const N: usize>(
     }))
 }
 
-/// Plans the time-optimal motion to a velocity on a straight line, as [`straight_line`]; there is no displacement.
+/// Plans the time-optimal motion to a target velocity on a straight line in joint space. Returns `None` if velocities
+/// and accelerations of the axes are not all in one proportion.
 pub(super) fn straight_change<const N: usize>(
     start: &[AxisState; N],
     target: &[AxisState; N],
@@ -70,7 +71,7 @@ fn rows<const N: usize>(start: &[AxisState; N], target: &[AxisState; N]) -> [Row
     })
 }
 
-/// States of the leading axis at the start, which is at the position 0, and at the target.
+/// Returns the states of the leading axis at the start, where its position is 0, and at the target.
 fn leading_states([distance, v0, a0, vf, af]: &Row) -> (AxisState, AxisState) {
     let state = |position: f64, velocity: &f64, acceleration: &f64| AxisState {
         position,
@@ -93,8 +94,8 @@ fn scaled_profile(
     profile
 }
 
-/// Returns the axis with the largest value of all, and the share of each axis in its motion. A small displacement between
-/// large positions would give inexact shares.
+/// Returns the axis with the largest value of all (the leading axis), and the motion of each axis as a multiple of it.
+/// `None` if the axes are not in one proportion, or if no value differs from 0.
 fn proportions<const N: usize>(rows: &[Row; N]) -> Option<(usize, [f64; N])> {
     let largest = |k: usize| {
         rows.iter().map(|row| row[k].abs()).enumerate().fold(
@@ -126,7 +127,8 @@ fn proportions<const N: usize>(rows: &[Row; N]) -> Option<(usize, [f64; N])> {
     is_proportional.then_some((leading, shares))
 }
 
-/// Limits of the leading axis that keep the limits of all axes.
+/// Returns the limits for the leading axis by which all axes keep their limits, for the motions of the axes as
+/// multiples (`shares`) of its motion. `None` if no axis moves.
 fn common_limits<const N: usize>(
     shares: &[f64; N],
     limits: &[AxisLimits; N],

@@ -8,31 +8,33 @@ use super::family::{Ends, Family, Times};
 use super::root::root;
 use super::velocity::VelocityChange;
 
-/// Motion with a given duration, as two weighted sequences of phases.
+/// Motion of one axis with a given duration, as a cruise between two changes of velocity or as a mean of two motions.
+/// All quantities are divided by the maximum jerk.
 #[derive(Clone, Copy, Debug)]
 pub(super) enum TimedMotion {
-    /// Change to the cruise velocity, cruise, and change to the end.
+    /// The axis changes to a cruise velocity, cruises, and changes to the velocity at the end.
     Cruising {
-        /// Change of velocity at the start.
+        /// Change from the velocity at the start to the cruise velocity.
         first: VelocityChange,
-        /// Duration of the cruise.
+        /// Time at the cruise velocity, s; not negative.
         cruise: f64,
-        /// Change of velocity at the end.
+        /// Change from the cruise velocity to the velocity at the end.
         last: VelocityChange,
     },
-    /// Weighted mean of the farthest and the nearest motion.
+    /// Weighted mean of the two extremal motions of this duration: the farthest and the nearest one.
     Mean {
-        /// Phases of the motion of the longest travel.
+        /// Durations of the phases of the motion with the longest travel.
         farthest: Times,
-        /// Phases of the motion of the shortest travel.
+        /// Durations of the phases of the motion with the shortest travel.
         nearest: Times,
-        /// Weight of the first; 0 to 1.
+        /// Weight of `farthest` in the mean, from 0 (only `nearest`) to 1 (only `farthest`).
         weight: f64,
     },
 }
 
 impl TimedMotion {
-    /// Plans a motion over `distance` in exactly `duration`. Returns `None` if no motion has this duration.
+    /// Plans a motion over `distance` in exactly `duration` (s). Returns `None` if no motion has this duration and
+    /// misses the distance by at most `tolerance`.
     pub(super) fn new(ends: &Ends, distance: f64, duration: f64, tolerance: f64) -> Option<Self> {
         if duration < 0.0 {
             return None;
@@ -67,7 +69,7 @@ impl TimedMotion {
         })
     }
 
-    /// Visits the phases in order: duration, and jerk as a share of the maximum jerk.
+    /// Calls `visit` for each phase in order, with its duration (s) and its jerk as a share of the maximum jerk.
     pub(super) fn each_phase(&self, mut visit: impl FnMut(f64, f64)) {
         match self {
             Self::Cruising {
@@ -88,7 +90,8 @@ impl TimedMotion {
     }
 }
 
-/// Visits the phases of the weighted mean of two motions. `nearest` has the opposite signs of `farthest`.
+/// Calls `visit` for each phase of the weighted mean of two motions, with its duration and jerk. The jerks of `nearest`
+/// have the opposite signs of those of `farthest`; `weight` (0 to 1) is the weight of `farthest`.
 fn merge(farthest: &Times, nearest: &Times, weight: f64, mut visit: impl FnMut(f64, f64)) {
     let mut left = [*farthest, *nearest];
     let mut at = [0, 0];
@@ -111,7 +114,7 @@ fn merge(farthest: &Times, nearest: &Times, weight: f64, mut visit: impl FnMut(f
     }
 }
 
-/// Search for the cruise velocity.
+/// Search for the cruise velocity with which a motion between `ends` covers `distance` in `duration`.
 struct Cruise<'a> {
     ends: &'a Ends,
     distance: f64,
@@ -135,8 +138,9 @@ impl Cruise<'_> {
         (first, cruise, last)
     }
 
-    /// Travel beyond the distance, and its derivative by the cruise velocity: the time of the cruise, and half the time of
-    /// each ramp of the acceleration next to it.
+    /// Returns by how much the travel with a cruise at `velocity` exceeds the distance, and the derivative of the
+    /// travel with respect to the velocity: the cruise time, plus half the time of each ramp of the acceleration next
+    /// to the cruise.
     fn beyond(&self, velocity: f64) -> (f64, f64) {
         let (first, cruise, last) = self.changes(velocity);
         let ends = self.ends;
@@ -147,7 +151,8 @@ impl Cruise<'_> {
         (travel - self.distance, slope)
     }
 
-    /// Searches between two velocities. Returns `None` if no cruise of positive duration is found.
+    /// Searches the cruise velocity between `low` and `high`. Returns `None` if no cruise of positive duration is
+    /// found.
     fn search(&self, low: f64, high: f64) -> Option<TimedMotion> {
         let (below, above) = (self.beyond(low).0, self.beyond(high).0);
         if below > 0.0 || above < 0.0 || low > high {

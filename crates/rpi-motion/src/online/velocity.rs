@@ -2,7 +2,8 @@
 //!
 //! All values are divided by the maximum jerk.
 
-/// Change of velocity: a ramp of the acceleration to a level, a hold, and a ramp to the end.
+/// Change of velocity: a ramp of the acceleration from `from` to `level`, a hold of `hold` seconds, and a ramp to `to`.
+/// The accelerations are divided by the maximum jerk (s).
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct VelocityChange {
     from: f64,
@@ -11,11 +12,11 @@ pub(super) struct VelocityChange {
     hold: f64,
 }
 
-/// Velocity and acceleration.
+/// Velocity and acceleration, divided by the maximum jerk (s², s).
 pub(super) type Motion = (f64, f64);
 
 impl VelocityChange {
-    /// Plans the fastest change with the acceleration between `limits` (maximum, minimum).
+    /// Plans the fastest change from `start` to `end` with the acceleration between `limits` (maximum, minimum).
     pub(super) fn new(start: Motion, end: Motion, limits: (f64, f64)) -> Self {
         let (from, to) = (start.1, end.1);
         let gained = end.0 - start.0;
@@ -42,8 +43,8 @@ impl VelocityChange {
         }
     }
 
-    /// Returns the shortest change whose velocity cannot be distinguished from that of this one within a rounding of
-    /// `slack`. Where both ramps are short, this rounding is worth up to 1e-5 s.
+    /// Returns the shortest change whose gain of velocity differs from that of this change by at most `slack`, a
+    /// rounding error. If both ramps are short, this rounding changes the duration by up to 1e-5 s.
     pub(super) fn shortened(self, slack: f64) -> Self {
         let sign = if self.level < 0.0 { -1.0 } else { 1.0 };
         let outer = (sign * self.from).max(sign * self.to);
@@ -58,7 +59,8 @@ impl VelocityChange {
         }
     }
 
-    /// Returns the change with one ramp of the acceleration if it meets the end within `tolerance`.
+    /// Returns the change from `start` to `end` with a single ramp of the acceleration; `None` if the velocity at its
+    /// end misses that of `end` by more than `tolerance`.
     pub(super) fn straight(start: Motion, end: Motion, tolerance: f64) -> Option<Self> {
         let (from, to) = (start.1, end.1);
         let gained = (from + to) / 2.0 * (to - from).abs();
@@ -70,7 +72,8 @@ impl VelocityChange {
         })
     }
 
-    /// Plans the change with a given duration, which holds one acceleration. Returns `None` if there is none.
+    /// Plans the change from `start` to `end` that takes exactly `duration` (s) and holds one acceleration between
+    /// `limits` (maximum, minimum). Returns `None` if there is none that meets the end within `tolerance`.
     pub(super) fn with_duration(
         start: Motion,
         end: Motion,
@@ -113,7 +116,8 @@ impl VelocityChange {
         })
     }
 
-    /// Durations at which it may change whether there is a change with exactly a duration.
+    /// Returns the durations (s) at which changes of exactly this duration begin or cease to exist; NaN for unused
+    /// entries.
     pub(super) fn durations(start: Motion, end: Motion, limits: (f64, f64)) -> [f64; 4] {
         let (from, to) = (start.1, end.1);
         let gained = end.0 - start.0;
@@ -139,17 +143,17 @@ impl VelocityChange {
         ]
     }
 
-    /// Acceleration that is held between the two ramps.
+    /// Returns the acceleration that is held between the two ramps, divided by the maximum jerk (s).
     pub(super) fn level(&self) -> f64 {
         self.level
     }
 
-    /// Returns the duration of all phases together, in the scale of the phases, in which the jerk is 1.
+    /// Returns the duration of the whole change, s.
     pub(super) fn duration(&self) -> f64 {
         (self.level - self.from).abs() + self.hold + (self.to - self.level).abs()
     }
 
-    /// Phases: duration and sign of the jerk.
+    /// Returns the three phases of the change in order: duration (s) and sign of the jerk (1, 0 or -1).
     pub(super) fn phases(&self) -> impl Iterator<Item = (f64, f64)> {
         let ramp = |from: f64, to: f64| ((to - from).abs(), if to < from { -1.0 } else { 1.0 });
         [
@@ -160,7 +164,8 @@ impl VelocityChange {
         .into_iter()
     }
 
-    /// Returns the distance that the axis travels in all phases if it begins with a velocity and an acceleration.
+    /// Returns the distance (divided by the maximum jerk, s³) that the axis travels during the change if it begins with
+    /// this velocity and acceleration.
     pub(super) fn travel(&self, velocity: f64, acceleration: f64) -> f64 {
         let (mut travel, mut v, mut a) = (0.0, velocity, acceleration);
         for (time, jerk) in self.phases() {
@@ -172,7 +177,7 @@ impl VelocityChange {
     }
 }
 
-/// Lower root of `x (sum - x) = product`, without cancellation.
+/// Returns the smaller root of `x (sum - x) = product`, without cancellation of digits.
 fn lower_root(sum: f64, product: f64) -> f64 {
     let half = sum / 2.0;
     let distance = libm::sqrt((half * half - product).max(0.0));

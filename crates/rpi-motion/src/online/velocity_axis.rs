@@ -8,7 +8,8 @@ use super::profile::AxisProfile;
 use super::velocity::{Motion, VelocityChange};
 use rpi_kin::state_to_rest::AxisState;
 
-/// Planning problem of one axis without a goal for the position, divided by the maximum jerk.
+/// Planning problem of one axis that must reach a velocity, at whatever position. All quantities are divided by the
+/// maximum jerk.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct VelocityPlanner {
     start: AxisState,
@@ -22,8 +23,8 @@ pub(super) struct VelocityPlanner {
 }
 
 impl VelocityPlanner {
-    /// Plans the time-optimal change. All numbers must have been checked. The limits of the velocity and the position of
-    /// the target are not used.
+    /// Plans the time-optimal change from the velocity of `start` to that of `target`. The caller has checked that all
+    /// numbers are valid. The limits of the velocity and the position of the target are not used.
     pub(super) fn new(start: AxisState, target: AxisState, limits: &AxisLimits) -> Self {
         let without_velocity_limits = AxisLimits {
             max_velocity: f64::INFINITY,

@@ -7,41 +7,41 @@ use core::f64::consts::TAU;
 use nalgebra::{Translation3, Vector3};
 use rpi_kin::Pose;
 
-/// An arc of a circle with even turning. The path parameter is the length of the arc, stretched where the turning takes
-/// longer.
+/// Circular arc of the tool, along which the tool turns evenly. The path parameter is the length of the arc (m), or a
+/// longer one if the tool turns far on a short arc.
 #[derive(Clone, Copy, Debug)]
 pub struct Arc {
     centre: Vector3<f64>,
-    /// Unit vector from the centre of the arc to its start.
+    /// Unit vector from the centre of the arc to its start, in the base frame.
     outwards: Vector3<f64>,
-    /// Unit tangent of the arc at its start.
+    /// Unit tangent of the arc at its start, in the base frame.
     forwards: Vector3<f64>,
     radius: f64,
-    /// Angle on the circle per unit of the path parameter, rad/m.
+    /// Angle about the centre per unit of the path parameter, rad/m.
     rate: f64,
     turning: EvenTurning,
     length: f64,
 }
 
-/// Orientation of the tool along an arc that is given by its angle.
+/// Orientation of the tool along an arc that is given by axis and angle.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum ArcOrientation {
-    /// The orientation in the base frame stays the same.
+    /// The orientation of the tool in the base frame stays the same.
     Fixed,
     /// The tool turns with the arc: its orientation relative to the path stays the same.
     Turning,
 }
 
-/// Reason why points, or a centre, do not define an arc.
+/// Reason why points, or a centre or an axis, do not define an arc.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum ArcError {
-    /// The points lie on a line, or two of them are the same, or a number is not finite.
+    /// The points lie on a line, or two of them coincide, or a number is not finite.
     Colinear,
-    /// Start and end are not equally far from the centre.
+    /// Start and end differ in their distance from the centre by too much.
     UnequalRadii,
-    /// The angle is 0 or not finite.
+    /// The angle of the arc is 0 or not finite.
     NoAngle,
-    /// The start lies on the axis, or the axis has no direction.
+    /// The start lies on the axis of the arc, or the axis has no direction.
     OnAxis,
 }
 
@@ -60,19 +60,20 @@ impl core::fmt::Display for ArcError {
 
 impl core::error::Error for ArcError {}
 
-/// Sine of the angle between the sides of the triangle of the three points below which they count as colinear.
+/// Sine of the angle between two sides of the triangle of the given points below which the points count as lying on a
+/// line.
 const COLINEAR: f64 = 1e-6;
 
-/// Distance by which a centre may miss the line of equal distances from start and end, m. It is moved there, because
-/// the start of a path is seldom exact.
+/// Maximum distance (m) of a given centre from the plane of equal distances from start and end. The centre is moved
+/// there, because the start of a path is seldom exact.
 const CENTRE_TOLERANCE: f64 = 1e-3;
 
-/// Shortest radius of an arc about an axis, m.
+/// Minimum radius of an arc about an axis, m. With a smaller one, the tool would turn on the spot.
 const SHORTEST_RADIUS: f64 = 1e-6;
 
 impl Arc {
-    /// The arc from the pose `from` through the point `via` to the pose `to`. The orientation turns evenly; that of
-    /// the via point does not count.
+    /// Creates the arc from the pose `from` through the point `via` to the pose `to`, in the base frame. The tool turns
+    /// evenly from the orientation of the start to that of the end.
     ///
     /// # Errors
     /// [`ArcError::Colinear`] if the points do not define a circle.
@@ -102,11 +103,12 @@ impl Arc {
         Ok(Self::new(from, turning, centre, frame, radius, angle))
     }
 
-    /// The shorter arc about `centre` from the pose `from` to the pose `to`. The orientation turns evenly. The centre may be
-    /// up to 1 mm off the plane of equal distances from both; it is moved there.
+    /// Creates the shorter arc about `centre` from the pose `from` to the pose `to`, in the base frame. The tool turns
+    /// evenly from the orientation of the start to that of the end. The centre may be up to 1 mm off the plane of equal
+    /// distances from both; it is moved there.
     ///
     /// # Errors
-    /// [`ArcError::Colinear`] if start, centre and end lie on a line, which leaves the plane of the arc open;
+    /// [`ArcError::Colinear`] if start, centre and end lie on a line, so that the plane of the arc is not determined;
     /// [`ArcError::UnequalRadii`] if start and end are not equally far from the centre.
     pub fn by_centre(from: &Pose, centre: &Vector3<f64>, to: &Pose) -> Result<Self, ArcError> {
         let start = from.translation.vector;
@@ -141,11 +143,12 @@ impl Arc {
         ))
     }
 
-    /// The arc from the pose `from` about `centre` by `angle` (rad, not 0, any number of turns) around the axis `normal`.
+    /// Creates the arc from the pose `from` by `angle` (rad, not 0, any number of turns) about the axis through
+    /// `centre` with the direction `normal`, in the base frame.
     ///
     /// # Errors
-    /// [`ArcError::NoAngle`] if the angle is 0 or a number is not finite; [`ArcError::OnAxis`] if the start lies on the axis,
-    /// or the axis has no direction.
+    /// [`ArcError::NoAngle`] if the angle is 0 or not finite; [`ArcError::OnAxis`] if the start lies on the axis, or
+    /// the axis has no direction.
     pub fn by_angle(
         from: &Pose,
         centre: &Vector3<f64>,
@@ -174,8 +177,8 @@ impl Arc {
         Ok(Self::new(from, turning, centre, frame, radius, angle.abs()))
     }
 
-    /// The arc by `angle` (rad, positive) from `outwards` to `forwards`, whose orientation turns by a rotation vector (rad,
-    /// base frame).
+    /// Creates the arc by `angle` (rad, positive) from the unit vector `outwards` in the direction `forwards`, on which
+    /// the tool turns by the rotation vector `turning` (rad, base frame).
     fn new(
         from: &Pose,
         turning: Vector3<f64>,
@@ -197,25 +200,26 @@ impl Arc {
         }
     }
 
-    /// Returns the length, m.
+    /// Returns the maximum value of the path parameter, m.
     #[must_use]
     pub fn length(&self) -> f64 {
         self.length
     }
 
-    /// Returns the length of the way of the tool, m: that of the path parameter, or shorter where the turning decides it.
+    /// Returns the distance that the tool travels, m. It equals the length of the path parameter, or is shorter if the
+    /// tool turns far on a short arc.
     #[must_use]
     pub fn way(&self) -> f64 {
         self.radius * self.rate * self.length
     }
 
-    /// Returns the radius, m.
+    /// Returns the radius of the arc, m.
     #[must_use]
     pub fn radius(&self) -> f64 {
         self.radius
     }
 
-    /// Returns the pose of the tool in the base frame.
+    /// Returns the pose of the tool in the base frame at the value `s` (m) of the path parameter.
     #[must_use]
     pub fn pose(&self, s: f64) -> Pose {
         let (sin, cos) = libm::sincos(s * self.rate);
@@ -223,7 +227,7 @@ impl Arc {
         Pose::from_parts(Translation3::from(self.centre + spoke), self.turning.at(s))
     }
 
-    /// Returns the curvature with respect to the path parameter, 1/m.
+    /// Returns the curvature of the arc with respect to the path parameter, 1/m; it is constant.
     #[must_use]
     pub fn curvature(&self) -> Curvature {
         Curvature {

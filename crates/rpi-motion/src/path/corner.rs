@@ -13,7 +13,7 @@ use rpi_kin::Pose;
 /// Number of intervals of the table that maps arc length to curve parameter.
 const INTERVALS: usize = 24;
 
-/// Nodes and weights of the Gauss-Legendre quadrature with five points on [-1, 1].
+/// Nodes and weights of the Gauss-Legendre quadrature with five points on [-1, 1]: pairs (node, weight).
 const GAUSS: [(f64, f64); 5] = [
     (0.0, 0.568_888_888_888_888_9),
     (-0.538_469_310_105_683_1, 0.478_628_670_499_366_5),
@@ -22,8 +22,8 @@ const GAUSS: [(f64, f64); 5] = [
     (0.906_179_845_938_664, 0.236_926_885_056_189_08),
 ];
 
-/// Table by the turn of a corner (degrees): places of the inner control points, as shares of the zone, that minimise
-/// the greatest curvature.
+/// Table by the angle of a corner: angle in degrees, then the distances of the two inner control points from the corner
+/// as shares of the zone. They minimise the maximum curvature.
 const WEIGHTS: [(f64, f64, f64); 6] = [
     (0.0, 0.57, 0.19),
     (30.0, 0.57, 0.21),
@@ -33,14 +33,14 @@ const WEIGHTS: [(f64, f64, f64); 6] = [
     (150.0, 0.76, 0.60),
 ];
 
-/// The rounded corner between two lines of a path, or a piece of a spline: a Bézier curve of degree 5.
+/// Rounded corner between two lines of a path, or a piece of a spline: a Bézier curve of degree 5.
 #[derive(Clone, Copy, Debug)]
 pub struct Corner {
     points: [Vector3<f64>; 6],
     start: UnitQuaternion<f64>,
-    /// Rotation vectors from each control orientation to the next, in the frame of the former; rad.
+    /// Rotation vectors from each control orientation to the next, in the frame of the first of both, rad.
     turns: [Vector3<f64>; 5],
-    /// Arc length at the start of each interval of the curve parameter, and at its end; m.
+    /// Arc length (m) from the start of the curve to the start of each interval of the curve parameter, and to its end.
     lengths: [f64; INTERVALS + 1],
 }
 
@@ -52,8 +52,8 @@ pub fn turn_between(first: &Vector3<f64>, second: &Vector3<f64>) -> f64 {
 }
 
 impl Corner {
-    /// The corner from `zone` (m) before the end of the line `before` to `zone` behind the start of the line `after`.
-    /// The path parameters of both lines must be lengths in m ([`Line::is_by_length`]).
+    /// Creates the corner from `zone` (m) before the end of the line `before` to `zone` (m) behind the start of the
+    /// line `after`. The path parameters of both lines must be lengths in m ([`Line::is_by_length`]).
     #[must_use]
     pub fn new(before: &Line, after: &Line, zone: f64) -> Self {
         let (p, q) = weights(turn_between(&before.direction(), &after.direction()));
@@ -74,8 +74,8 @@ impl Corner {
         Self::with_controls(points, controls[0].rotation, core::array::from_fn(turn))
     }
 
-    /// The Bézier curve with these control points (m) and orientations: `start`, and the rotation vectors from each to the
-    /// next, in the frame of the former (rad).
+    /// Creates the Bézier curve with these control points (m, base frame) and control orientations: the first one is
+    /// `start`, and `turns` are the rotation vectors from each to the next, in the frame of the first of both (rad).
     pub(super) fn with_controls(
         points: [Vector3<f64>; 6],
         start: UnitQuaternion<f64>,
@@ -94,13 +94,14 @@ impl Corner {
         corner
     }
 
-    /// Returns the length of the way, m.
+    /// Returns the arc length of the curve, m.
     #[must_use]
     pub fn length(&self) -> f64 {
         self.lengths[INTERVALS]
     }
 
-    /// Lowest speed of the curve by its parameter, as a share of the distance of both ends, and the curve parameter there.
+    /// Returns the minimum of the derivative of the position with respect to the curve parameter, as a share of the
+    /// distance between both ends, and the curve parameter (0 to 1) there.
     pub(super) fn slowest(&self) -> (f64, f64) {
         let chord = libm::sqrt((self.points[5] - self.points[0]).norm_squared());
         let places = (0..=8 * INTERVALS).map(|k| interval_start(k) / 8.0);
@@ -128,7 +129,7 @@ impl Corner {
     /// Returns the curvature `s` metres behind the start of the corner.
     #[must_use]
     pub fn curvature(&self, s: f64) -> Curvature {
-        /// Step of the finite difference, as a share of the range of the curve parameter.
+        /// Step of the finite difference in the curve parameter, which ranges from 0 to 1.
         const STEP: f64 = 1e-4;
         let u = self.curve_parameter(s).clamp(0.0, 1.0);
         let (low, high) = ((u - STEP).max(0.0), (u + STEP).min(1.0));
@@ -139,14 +140,15 @@ impl Corner {
         }
     }
 
-    /// Curvature of the curve at the curve parameter `u`, 1/m.
+    /// Returns the curvature of the curve at the curve parameter `u` (0 to 1), 1/m.
     fn bend(&self, u: f64) -> f64 {
         let (first, second) = (self.derivative(u), self.second_derivative(u));
         let speed = libm::sqrt(first.norm_squared());
         libm::sqrt(first.cross(&second).norm_squared()) / (speed * speed * speed)
     }
 
-    /// Curve parameter at an arc length of `s` metres: from the table, improved by Newton steps on the exact length.
+    /// Returns the curve parameter (0 to 1) at an arc length of `s` metres: from the table, improved by Newton steps on
+    /// the exact length.
     fn curve_parameter(&self, s: f64) -> f64 {
         let k = self.lengths[1..INTERVALS].partition_point(|length| *length <= s);
         let (low, high) = (self.lengths[k], self.lengths[k + 1]);
@@ -191,7 +193,7 @@ fn interval_start(k: usize) -> f64 {
     k as f64 / INTERVALS as f64
 }
 
-/// Bernstein polynomials of degree 5.
+/// Returns the six Bernstein polynomials of degree 5 at `u` (0 to 1).
 fn bernstein(u: f64) -> [f64; 6] {
     let w = 1.0 - u;
     let (u2, w2) = (u * u, w * w);
@@ -205,7 +207,8 @@ fn bernstein(u: f64) -> [f64; 6] {
     ]
 }
 
-/// Places of the inner control points of a corner with this turn (rad), interpolated linearly in the table.
+/// Returns the distances of the two inner control points from a corner with the angle `turn` (rad), as shares of the
+/// zone, interpolated linearly in the table.
 fn weights(turn: f64) -> (f64, f64) {
     let degrees = turn.to_degrees();
     let behind = WEIGHTS.partition_point(|entry| entry.0 <= degrees);

@@ -2,7 +2,8 @@
 
 use crate::Joints;
 
-/// A straight line between two joint positions. All axes arrive together, since they share one path parameter.
+/// Straight line in joint space between two sets of joint positions. All axes arrive together, since they share one
+/// path parameter: the way of the axis that moves farthest, rad.
 #[derive(Clone, Copy, Debug)]
 pub struct JointLine {
     start: Joints,
@@ -12,7 +13,7 @@ pub struct JointLine {
 }
 
 impl JointLine {
-    /// The line between two positions of the `axes` first joints, rad.
+    /// Creates the line between the joint positions `from` and `to` (rad), of which the `axes` first ones move.
     #[must_use]
     pub fn new(from: &Joints, to: &Joints, axes: usize) -> Self {
         let way: Joints = core::array::from_fn(|axis| {
@@ -30,7 +31,7 @@ impl JointLine {
         }
     }
 
-    /// Returns the way of the axis that moves farthest, rad.
+    /// Returns the distance that the farthest moving axis travels, rad.
     #[must_use]
     pub fn length(&self) -> f64 {
         self.length
@@ -42,7 +43,7 @@ impl JointLine {
         &self.direction
     }
 
-    /// Returns the joints at a value of the path parameter, rad.
+    /// Returns the joint positions (rad) at the value `s` (rad) of the path parameter.
     #[must_use]
     pub fn joints(&self, s: f64) -> Joints {
         core::array::from_fn(|axis| self.start[axis] + self.direction[axis] * s)

@@ -4,22 +4,24 @@ use super::orientation::{EvenTurning, angle_between};
 use nalgebra::{Translation3, Vector3};
 use rpi_kin::Pose;
 
-/// Length of way that counts as much as one radian of turning, m. It decides the length of a line on which the tool
-/// turns far on a short way.
+/// Distance (m) that counts as much as turning the tool by one radian, when the length of a path is determined: on a
+/// short distance, the turning decides.
 pub const TURNING_LENGTH: f64 = 0.25;
 
-/// A straight line of the tool. Its orientation turns evenly along the way.
+/// Straight line of the tool, along which the tool turns evenly. The path parameter is the length of the line (m), or a
+/// longer one if the tool turns far on a short line.
 #[derive(Clone, Copy, Debug)]
 pub struct Line {
     start: Vector3<f64>,
-    /// Way per unit of the path parameter: a unit vector, or shorter where the turning decides the length.
+    /// Displacement per unit of the path parameter, in the base frame: a unit vector, or shorter if the turning decides
+    /// the length.
     direction: Vector3<f64>,
     turning: EvenTurning,
     length: f64,
 }
 
 impl Line {
-    /// The line from one pose of the tool to another, in base coordinates.
+    /// Creates the line from one pose of the tool to another, both in the base frame.
     #[must_use]
     pub fn new(from: &Pose, to: &Pose) -> Self {
         let way = to.translation.vector - from.translation.vector;
@@ -37,32 +39,33 @@ impl Line {
         }
     }
 
-    /// Returns the length, m.
+    /// Returns the maximum value of the path parameter, m.
     #[must_use]
     pub fn length(&self) -> f64 {
         self.length
     }
 
-    /// Returns the length of the way of the tool, m: that of the path parameter, or shorter where the turning decides it.
+    /// Returns the distance that the tool travels, m. It equals the length of the path parameter, or is shorter if the
+    /// turning decides.
     #[must_use]
     pub fn way(&self) -> f64 {
         libm::sqrt(self.direction.norm_squared()) * self.length
     }
 
-    /// Returns the way per unit of the path parameter: a unit vector where the way decides the length, else shorter.
+    /// Returns the displacement per unit of the path parameter, in the base frame: a unit vector, or shorter if the
+    /// turning decides the length.
     #[must_use]
     pub fn direction(&self) -> Vector3<f64> {
         self.direction
     }
 
-    /// Returns whether the path parameter of the line is the length of the way in m, rather than a measure of the
-    /// turning.
+    /// Returns true if the path parameter of the line is the distance travelled in m, and not a measure of the turning.
     #[must_use]
     pub fn is_by_length(&self) -> bool {
         (self.direction.norm_squared() - 1.0).abs() < 1e-9
     }
 
-    /// Returns the part of the line between two values of its path parameter.
+    /// Returns the part of the line between two values of its path parameter (m).
     #[must_use]
     pub fn section(&self, from: f64, to: f64) -> Self {
         Self {
@@ -73,7 +76,7 @@ impl Line {
         }
     }
 
-    /// Returns the pose of the tool in the base frame.
+    /// Returns the pose of the tool in the base frame at the value `s` (m) of the path parameter.
     #[must_use]
     pub fn pose(&self, s: f64) -> Pose {
         let position = self.start + self.direction * s;

@@ -26,57 +26,57 @@ pub use twist::{TwistFrame, TwistPath};
 /// Maximum number of pieces of a path of the tool.
 pub const MAX_PIECES: usize = 16;
 
-/// Number of places at which the curvature of a corner must be known.
+/// Number of steps into which the length of a corner is divided so that its curvature is known well enough in between.
 const CORNER_SAMPLES: f64 = 96.0;
 
-/// A piece of a path of the tool. It is held by value, because paths are replaced in the cycle, where nothing may be
-/// allocated.
+/// Piece of a path of the tool. Pieces are stored by value, because paths are replaced in the cycle, where nothing may
+/// be allocated.
 #[allow(clippy::large_enum_variant)]
 #[derive(Clone, Copy, Debug)]
 pub enum Piece {
-    /// A straight line.
+    /// Straight line of the tool, along which it turns evenly.
     Line(Line),
-    /// A circular arc.
+    /// Circular arc of the tool, along which it turns evenly.
     Arc(Arc),
-    /// The transition between two straight lines.
+    /// Rounded corner between two straight lines.
     Corner(Corner),
-    /// A piece of a spline.
+    /// Piece of a spline: a smooth curve through given points.
     Spline(Corner),
-    /// A motion with a constant twist, without an end of its own.
+    /// Motion with a constant linear and angular velocity, without an end of its own.
     Twist(TwistPath),
 }
 
-/// A path of the tool or of the joints, held by value like its pieces.
+/// Path of the tool in space, or of the axes in joint space, stored by value.
 #[allow(clippy::large_enum_variant)]
 #[derive(Clone, Copy, Debug)]
 pub enum Path {
-    /// A path of the tool: pieces in order.
+    /// Path of the tool: pieces in order.
     Tool(ToolPath),
-    /// A straight line in joint space.
+    /// Straight line in joint space.
     Joints(JointLine),
 }
 
-/// Pieces of a path of the tool, in order, each beginning where the one before ends.
+/// Path of the tool as a sequence of pieces, each of which begins where the previous one ends.
 #[derive(Clone, Copy, Debug)]
 pub struct ToolPath {
     pieces: [Option<Piece>; MAX_PIECES],
-    /// Path parameter at the start of each piece, m.
+    /// Position along the path (path parameter) at the start of each piece, m.
     starts: [f64; MAX_PIECES],
     count: usize,
     length: f64,
 }
 
-/// Curvature of the path at a point.
+/// Curvature at a point of a path.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Curvature {
-    /// Curvature, 1/m.
+    /// Curvature: the inverse of the radius, 1/m.
     pub value: f64,
     /// Derivative of the curvature along the path, 1/m².
     pub slope: f64,
 }
 
 impl Piece {
-    /// Returns the length of the piece as its path parameter measures it, m.
+    /// Returns the maximum value of the path parameter of the piece, m.
     #[must_use]
     pub fn length(&self) -> f64 {
         match self {
@@ -87,7 +87,7 @@ impl Piece {
         }
     }
 
-    /// Returns the length of the way of the tool on the piece, m.
+    /// Returns the distance that the tool travels on the piece, m.
     #[must_use]
     pub fn way(&self) -> f64 {
         match self {
@@ -118,7 +118,7 @@ impl Piece {
 }
 
 impl ToolPath {
-    /// Creates a path of one piece.
+    /// Creates a path of a single piece.
     #[must_use]
     pub fn new(piece: Piece) -> Self {
         let mut path = Self::empty();
@@ -135,7 +135,7 @@ impl ToolPath {
         }
     }
 
-    /// Appends a piece. Returns false, and does nothing, if there are already [`MAX_PIECES`].
+    /// Appends a piece to the path. Returns false, and does nothing, if the path already has [`MAX_PIECES`] pieces.
     pub fn push(&mut self, piece: Piece) -> bool {
         let Some(slot) = self.pieces.get_mut(self.count) else {
             return false;
@@ -147,13 +147,13 @@ impl ToolPath {
         true
     }
 
-    /// Returns the length, m.
+    /// Returns the maximum value of the path parameter, m.
     #[must_use]
     pub fn length(&self) -> f64 {
         self.length
     }
 
-    /// Returns whether a part of the path is a spline, whose curvature changes along the whole of it.
+    /// Returns true if a piece of the path belongs to a spline, whose curvature changes along its whole length.
     #[must_use]
     pub fn has_spline(&self) -> bool {
         self.pieces().any(|piece| matches!(piece, Piece::Spline(_)))
@@ -170,14 +170,15 @@ impl ToolPath {
         Some((piece, s - self.starts[k]))
     }
 
-    /// Returns the pose of the tool in the base frame.
+    /// Returns the pose of the tool in the base frame at the position `s` (m) along the path.
     #[must_use]
     pub fn pose(&self, s: f64) -> Pose {
         self.piece_at(s)
             .map_or_else(Pose::identity, |(piece, own)| piece.pose(own))
     }
 
-    /// Returns the greatest distance (m) at which the curvature is well known between two places around here.
+    /// Returns the maximum distance (m) between two places near `s` for which the curvature is known well enough in
+    /// between.
     fn resolution(&self, s: f64) -> f64 {
         match self.piece_at(s) {
             Some((Piece::Corner(corner), _)) => corner.length() / CORNER_SAMPLES,
@@ -192,19 +193,20 @@ impl ToolPath {
 }
 
 impl Path {
-    /// Returns the path of one straight line of the tool from one pose to another.
+    /// Creates the path of one straight line of the tool from one pose to another, both in the base frame.
     #[must_use]
     pub fn line(from: &Pose, to: &Pose) -> Self {
         Path::Tool(ToolPath::new(Piece::Line(Line::new(from, to))))
     }
 
-    /// Returns the straight line in joint space between two positions of the `axes` first joints.
+    /// Creates the straight line in joint space between two sets of joint positions (rad), of which the `axes` first
+    /// ones move.
     #[must_use]
     pub fn joint_line(from: &Joints, to: &Joints, axes: usize) -> Self {
         Path::Joints(JointLine::new(from, to, axes))
     }
 
-    /// Returns the greatest value of the path parameter: m, or rad of the axis that moves farthest.
+    /// Returns the maximum value of the path parameter: m, or rad of the axis that moves farthest on a joint line.
     #[must_use]
     pub fn length(&self) -> f64 {
         match self {
@@ -213,7 +215,8 @@ impl Path {
         }
     }
 
-    /// Returns the length of the way of the tool, m; for a joint line, the way of the axis that moves farthest, rad.
+    /// Returns the distance that the tool travels, m; for a joint line, the distance of the axis that moves farthest,
+    /// rad.
     #[must_use]
     pub fn way(&self) -> f64 {
         match self {
@@ -222,7 +225,8 @@ impl Path {
         }
     }
 
-    /// Returns the greatest distance at which the curvature is well known between two places around `s`.
+    /// Returns the maximum distance between two places near `s` for which the curvature is known well enough in
+    /// between, m; infinite if the curvature is known everywhere.
     #[must_use]
     pub fn resolution(&self, s: f64) -> f64 {
         match self {
@@ -231,7 +235,7 @@ impl Path {
         }
     }
 
-    /// Returns the curvature of the way of the tool; 0 for a joint line.
+    /// Returns the curvature of the path of the tool at the position `s` (m) along it; 0 for a joint line.
     #[must_use]
     pub fn curvature(&self, s: f64) -> Curvature {
         match self {

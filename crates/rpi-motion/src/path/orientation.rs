@@ -2,7 +2,7 @@
 
 use nalgebra::{UnitQuaternion, Vector3};
 
-/// Turning about a fixed axis, proportional to the path parameter (spherical linear interpolation).
+/// Even turning of the tool: about a fixed axis, in proportion to the path parameter (spherical linear interpolation).
 #[derive(Clone, Copy, Debug)]
 pub struct EvenTurning {
     start: UnitQuaternion<f64>,
@@ -11,14 +11,14 @@ pub struct EvenTurning {
 }
 
 impl EvenTurning {
-    /// Turns from `from` to `to`, the shorter way round, while the path parameter grows by `length`.
+    /// Creates the turning from `from` to `to`, the shorter way round, while the path parameter grows by `length` (m).
     #[must_use]
     pub fn new(from: &UnitQuaternion<f64>, to: &UnitQuaternion<f64>, length: f64) -> Self {
         Self::by(from, Self::vector_between(from, to), length)
     }
 
-    /// Turns from `from` by a rotation vector (rad, base frame; any number of turns) while the path parameter grows by
-    /// `length`.
+    /// Creates the turning from `from` by the rotation vector `turn` (rad, base frame; any number of turns) while the
+    /// path parameter grows by `length` (m).
     #[must_use]
     pub fn by(from: &UnitQuaternion<f64>, turn: Vector3<f64>, length: f64) -> Self {
         Self {
@@ -37,7 +37,7 @@ impl EvenTurning {
         (to * from.inverse()).scaled_axis()
     }
 
-    /// Returns the same turning counted from a later value of the path parameter.
+    /// Returns the same turning, with its path parameter counted from the value `s` (m) on.
     #[must_use]
     pub fn starting_at(&self, s: f64) -> Self {
         Self {
@@ -46,7 +46,7 @@ impl EvenTurning {
         }
     }
 
-    /// Returns the orientation at a value of the path parameter.
+    /// Returns the orientation in the base frame at the value `s` (m) of the path parameter.
     #[must_use]
     pub fn at(&self, s: f64) -> UnitQuaternion<f64> {
         UnitQuaternion::from_scaled_axis(self.rate * s) * self.start

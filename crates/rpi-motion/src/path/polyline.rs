@@ -6,22 +6,22 @@ use super::{MAX_PIECES, Piece, ToolPath};
 use core::f64::consts::PI;
 use rpi_kin::Pose;
 
-/// Reason why points and zones do not define a path.
+/// Reason why points and zones do not define a path of straight lines with rounded corners. Points are counted from 0.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum ZoneError {
-    /// There are fewer than two points, or another number of zones than of inner points.
+    /// There are fewer than two points, or the number of zones differs from the number of inner points.
     Counts,
-    /// There are more pieces than a path can have.
+    /// The path would have more than [`MAX_PIECES`] pieces.
     TooManyPoints,
-    /// Two successive points are the same; the field is the number of the first one, from 0.
+    /// The point with this number and the next one coincide.
     SamePoint(usize),
-    /// The zone of the point with this number is not positive. A path cannot turn without a zone: end the motion at the
-    /// point.
+    /// The zone at the point with this number is not positive. A path cannot turn without a zone; the motion must end
+    /// there.
     NoZone(usize),
-    /// The path turns back at the point with this number, by more than a corner can.
+    /// The path turns back at the point with this number, by more than a rounded corner can (175°).
     Reversal(usize),
-    /// The tool turns so far on the way to or from the point with this number that the turning decides the speed; no
-    /// corner is possible there.
+    /// The tool turns so far on the line to or from the point with this number that the turning decides the speed. A
+    /// rounded corner is not possible there.
     TurningDecides(usize),
 }
 
@@ -47,16 +47,16 @@ impl core::fmt::Display for ZoneError {
 
 impl core::error::Error for ZoneError {}
 
-/// Shortest permitted way between two points, and shortest line between two corners, m.
+/// Minimum distance between two points, and minimum length of a line between two corners, m.
 const SHORTEST: f64 = 1e-9;
 
-/// Greatest turn of a corner, rad. Beyond, the curvature grows without bound.
+/// Maximum change of direction at a rounded corner, rad. Beyond it, the curvature grows without bound.
 const GREATEST_TURN: f64 = PI * 175.0 / 180.0;
 
 impl ToolPath {
-    /// The path through `points` (poses of the tool in the base frame) by straight lines. At each inner point it leaves
-    /// the lines within its zone (m), or within half of the shorter line beside it. The path depends on points and
-    /// zones alone, not on the speed.
+    /// Creates the path through `points` (poses of the tool in the base frame) along straight lines. At each inner
+    /// point, a corner within its zone (m) is rounded, at most half of the shorter line beside it. The path depends on
+    /// points and zones alone, not on the speed.
     ///
     /// # Errors
     /// A [`ZoneError`] that names the point, counted from 0.
@@ -88,7 +88,8 @@ impl ToolPath {
         Ok(path)
     }
 
-    /// Appends a section of a line, unless it has no length: two corners may touch.
+    /// Appends the section of a line from `from` to `to` (m along it), unless it has no length, because two corners
+    /// touch.
     fn push_section(&mut self, line: &Line, from: f64, to: f64) {
         if to - from > SHORTEST {
             self.push(Piece::Line(line.section(from, to)));
@@ -96,7 +97,7 @@ impl ToolPath {
     }
 }
 
-/// Returns whether a length is too small for a line, or not a number.
+/// Returns true if a length (m) is too small for a line, or not a number.
 fn is_short(length: f64) -> bool {
     length <= SHORTEST || length.is_nan()
 }

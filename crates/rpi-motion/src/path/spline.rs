@@ -13,16 +13,16 @@ use super::{MAX_PIECES, Piece, ToolPath};
 use nalgebra::{UnitQuaternion, Vector3};
 use rpi_kin::Pose;
 
-/// Reason why there is no spline through points. Points are counted from 0.
+/// Reason why there is no spline through the given points. Points are counted from 0.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum SplineError {
-    /// There are fewer than two points, or more pieces than a path can have.
+    /// There are fewer than two points, or more than [`MAX_POINTS`].
     Counts,
-    /// This point and the next one are at the same place.
+    /// The point with this number and the next one coincide.
     SamePoint(usize),
-    /// The curve turns back so sharply near this point that the tool would have to stop.
+    /// The curve turns back so sharply near the point with this number that the tool would have to stop.
     Reversal(usize),
-    /// The tool turns so far between this point and the next one that the turning decides the speed.
+    /// The tool turns so far between the point with this number and the next one that the turning decides the speed.
     TurningDecides(usize),
 }
 
@@ -45,24 +45,25 @@ impl core::fmt::Display for SplineError {
 
 impl core::error::Error for SplineError {}
 
-/// Maximum number of points of a spline, with its start.
+/// Maximum number of points of a spline, including its start.
 pub const MAX_POINTS: usize = MAX_PIECES + 1;
 
-/// Shortest distance between two successive points, m.
+/// Minimum distance between two successive points of a spline, m.
 pub const SHORTEST_CHORD: f64 = 1e-6;
 
-/// Share of its mean speed that the curve parameter has at least. A smaller one belongs to a cusp.
+/// Minimum of the derivative of the position with respect to the curve parameter, as a share of the distance between
+/// the ends of a piece. A smaller one belongs to a cusp.
 const SLOWEST: f64 = 0.1;
 
-/// First and second derivatives of a spline at its points.
+/// First and second derivatives of a spline with respect to its parameter, at its points.
 struct Derivatives {
     first: [Vector3<f64>; MAX_POINTS],
     second: [Vector3<f64>; MAX_POINTS],
 }
 
 impl ToolPath {
-    /// The spline through `points`, poses of the tool in the base frame: it passes through all of them, with continuous
-    /// curvature, and is straight at both ends.
+    /// Creates the spline through `points`, which are poses of the tool in the base frame. It passes through all of
+    /// them with continuous curvature, and its curvature is 0 at both ends.
     ///
     /// # Errors
     /// A [`SplineError`] that names the point, counted from 0.
@@ -97,7 +98,7 @@ impl ToolPath {
     }
 }
 
-/// Distance of two successive points, the first of which has the number `k`, m.
+/// Returns the distance between two successive points, m; the first one has the number `k`, for the error.
 fn chord(from: &Pose, to: &Pose, k: usize) -> Result<f64, SplineError> {
     let chord = libm::sqrt((to.translation.vector - from.translation.vector).norm_squared());
     if chord < SHORTEST_CHORD || chord.is_nan() {
@@ -109,8 +110,9 @@ fn chord(from: &Pose, to: &Pose, k: usize) -> Result<f64, SplineError> {
     Ok(chord)
 }
 
-/// Derivatives of the natural cubic spline with these steps of the value and of the parameter between its points: the
-/// solution of the tridiagonal system for the first derivatives (Thomas algorithm).
+/// Returns the derivatives of the natural cubic spline at its points. `steps` are the differences of its value,
+/// `widths` those of its parameter between the points. Solves the tridiagonal system for the first derivatives (Thomas
+/// algorithm).
 fn derivatives(steps: &[Vector3<f64>], widths: &[f64; MAX_PIECES]) -> Derivatives {
     let n = steps.len();
     let slope = |k: usize| steps[k] / widths[k];
@@ -139,7 +141,8 @@ fn derivatives(steps: &[Vector3<f64>], widths: &[f64; MAX_PIECES]) -> Derivative
     Derivatives { first, second }
 }
 
-/// The piece behind point `k`: the Bézier curves with the derivatives of both ends.
+/// Creates the piece of the spline from point `k` to the next one, whose parameter has the length `width`: the Bézier
+/// curve of position and orientation with the derivatives at both ends.
 fn piece(
     pair: &[Pose],
     k: usize,

@@ -5,31 +5,33 @@ use super::line::TURNING_LENGTH;
 use nalgebra::{Translation3, UnitQuaternion, Vector3};
 use rpi_kin::Pose;
 
-/// Frame in which a twist is constant.
+/// Frame in which the components of a twist (linear and angular velocity) are constant.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum TwistFrame {
     /// The base frame: the tool moves on a straight line, and turns about an axis that keeps its direction.
     Base,
-    /// The tool frame: the tool moves on a helix, which is a line or a circle in particular cases.
+    /// The tool frame: the tool moves on a helix, which is a line or a circle in special cases.
     Tool,
 }
 
-/// The path on which a tool moves with a constant twist. It has a length that no arm can use up.
+/// Path of a tool that moves with a constant twist (linear and angular velocity). Its length is greater than any arm
+/// can travel.
 #[derive(Clone, Copy, Debug)]
 pub struct TwistPath {
     start: Pose,
-    /// Way per unit of the path parameter, in the frame of the twist.
+    /// Displacement per unit of the path parameter, in the frame of the twist (no unit).
     linear: Vector3<f64>,
     /// Rotation vector per unit of the path parameter, in the frame of the twist; rad/m.
     angular: Vector3<f64>,
     frame: TwistFrame,
 }
 
-/// Length of the path, m.
+/// Maximum value of the path parameter, m. The operator ends such a motion long before the arm could follow it to its
+/// end.
 const LENGTH: f64 = 100.0;
 
-/// Returns the speed of the path parameter that belongs to a twist: m/s, or the angular velocity (rad/s) weighed with a
-/// length, whichever is larger.
+/// Returns the speed along the path (m/s) for a twist: the linear velocity (m/s), or the angular velocity (rad/s) times
+/// [`TURNING_LENGTH`], whichever is greater.
 #[must_use]
 pub fn twist_speed(linear: &Vector3<f64>, angular: &Vector3<f64>) -> f64 {
     let (way, turn) = (linear.norm_squared(), angular.norm_squared());
@@ -37,8 +39,8 @@ pub fn twist_speed(linear: &Vector3<f64>, angular: &Vector3<f64>) -> f64 {
 }
 
 impl TwistPath {
-    /// The path from `start` with the direction of a twist: linear (m/s) and angular velocity (rad/s) in `frame`. `None` if
-    /// the twist is zero or not finite.
+    /// Creates the path from the pose `start` in the direction of a twist: linear (m/s) and angular velocity (rad/s) in
+    /// `frame`. `None` if the twist is zero or not finite.
     #[must_use]
     pub fn new(
         start: &Pose,
@@ -55,19 +57,19 @@ impl TwistPath {
         })
     }
 
-    /// Returns the length, m.
+    /// Returns the maximum value of the path parameter, m.
     #[must_use]
     pub fn length(&self) -> f64 {
         LENGTH
     }
 
-    /// Returns the length of the way of the tool, m.
+    /// Returns the distance that the tool would travel along the whole path, m.
     #[must_use]
     pub fn way(&self) -> f64 {
         LENGTH * libm::sqrt(self.linear.norm_squared())
     }
 
-    /// Returns the pose of the tool in the base frame.
+    /// Returns the pose of the tool in the base frame at the value `s` (m) of the path parameter.
     #[must_use]
     pub fn pose(&self, s: f64) -> Pose {
         let turn = UnitQuaternion::from_scaled_axis(self.angular * s);
@@ -84,7 +86,8 @@ impl TwistPath {
         }
     }
 
-    /// The way of the tool in the frame of the tool at the start: the exponential map of the screw.
+    /// Returns the displacement of the tool (m) at the value `s` of the path parameter, in the frame of the tool at the
+    /// start: the exponential map of the screw.
     fn way_in_tool(&self, s: f64) -> Vector3<f64> {
         let (v, w) = (self.linear * s, self.angular * s);
         let angle_squared = w.norm_squared();
@@ -107,7 +110,7 @@ impl TwistPath {
         v + across * one + w.cross(&across) * other
     }
 
-    /// Returns the curvature with respect to the path parameter, 1/m.
+    /// Returns the curvature of the path with respect to the path parameter, 1/m; it is constant.
     #[must_use]
     pub fn curvature(&self) -> Curvature {
         let value = match self.frame {

@@ -2,7 +2,7 @@
 //! within its bounds on the way where that is possible.
 
 use crate::random::{Kind, Random};
-use crate::watch::{PERIOD, Watch};
+use crate::watch::PERIOD;
 use crate::{ARMS, Counts, Motion, motion, number, random};
 use rpi_kin::state_to_rest::Bounds;
 use rpi_kin::{ArmModel, Pose};
@@ -60,21 +60,20 @@ fn shares(model: &'static ArmModel, count: usize, random: &mut Random) -> Vec<f6
     let arm = Arm::new(model, Pose::identity(), &[]);
     let mut shares = Vec::new();
     while shares.len() < count {
-        let mut watch = Watch::standing(&random::joints(model, random));
+        let start = JointState::at_rest(random::joints(model, random));
         let mut core = MotionCore::new(arm, PERIOD);
         let mut counts = Counts::default();
-        let Some(first) = motion(model, &arm, &watch, random, &mut counts) else {
+        let Some(first) = motion(model, &arm, &start, random, &mut counts) else {
             continue;
         };
-        core.begin_at(first.path, &first.start, &watch.state(), first.requested)
+        core.begin_at(first.path, &first.start, &start, first.requested)
             .expect("checked");
         for _ in 0..50 + random.below(600) {
-            let at = core.next_set_point(Controls::default()).expect("checked");
-            watch.push(&arm, &at.joints);
+            core.next_set_point(Controls::default()).expect("checked");
         }
-        let state = watch.state();
+        let state = core.state();
         let is_moving = state.velocity.iter().any(|velocity| velocity.abs() > 0.02);
-        let next = motion(model, &arm, &watch, random, &mut counts).filter(|_| is_moving);
+        let next = motion(model, &arm, &state, random, &mut counts).filter(|_| is_moving);
         let Some(next) = next else { continue };
         let with_stop = cycles_with_stop(&arm, &state, &next);
         core.begin_at(next.path, &next.start, &state, next.requested)
@@ -123,15 +122,14 @@ fn lines_that_turn_off_lines_keep_the_bounds_of_the_tool() {
             else {
                 continue;
             };
-            let mut watch = Watch::standing(&start);
             let mut core = MotionCore::new(arm, PERIOD);
-            core.begin(first, &watch.state(), requested)
+            core.begin(first, &JointState::at_rest(start), requested)
                 .expect("checked");
             for _ in 0..600 {
-                let at = core.next_set_point(Controls::default()).expect("checked");
-                watch.push(&arm, &at.joints);
+                core.next_set_point(Controls::default()).expect("checked");
             }
-            let here = *watch.joints();
+            let state = core.state();
+            let here = state.position;
             let Some(next) = random::path(model, &arm, Kind::Line, &here, &mut random)
                 .filter(|path| check_path(&arm, *path, &here, requested).is_ok())
             else {
@@ -141,8 +139,7 @@ fn lines_that_turn_off_lines_keep_the_bounds_of_the_tool() {
             let most = |preference: EntryPreference| {
                 let mut core = core.clone();
                 core.set_entry_preference(preference);
-                core.begin(next, &watch.state(), requested)
-                    .expect("checked");
+                core.begin(next, &state, requested).expect("checked");
                 let _ = cycles_to_end(&mut core);
                 core.tool_shares_on_entry().into_iter().fold(0.0, f64::max)
             };

@@ -7,12 +7,13 @@ mod duration;
 mod places;
 mod random;
 mod refusals;
+mod states;
 mod watch;
 
 use random::{KINDS, Kind, Random};
 use rpi_kin::state_to_rest::Bounds;
 use rpi_kin::{ArmModel, Pose, models};
-use rpi_motion::{Arm, Controls, Joints, MotionCore, Path, check_path, path_start};
+use rpi_motion::{Arm, Controls, JointState, Joints, MotionCore, Path, check_path, path_start};
 use rpi_testkit::no_alloc;
 use watch::{PERIOD, Watch};
 
@@ -72,19 +73,19 @@ struct Motion {
 fn motion(
     model: &ArmModel,
     arm: &Arm,
-    watch: &Watch,
+    state: &JointState,
     random: &mut Random,
     counts: &mut Counts,
 ) -> Option<Motion> {
     for _ in 0..200 {
         let kind = KINDS[random.below(KINDS.len())];
         let same = random.clone();
-        let Some(mut path) = random::path(model, arm, kind, watch.joints(), random) else {
+        let Some(mut path) = random::path(model, arm, kind, &state.position, random) else {
             continue;
         };
-        let mut start = *watch.joints();
+        let mut start = state.position;
         if random.unit() < 0.5 {
-            start = path_start(arm, &watch.state(), &path);
+            start = path_start(arm, state, &path);
             // The same way, from another start.
             let Some(moved) = random::path(model, arm, kind, &start, &mut same.clone()) else {
                 continue;
@@ -116,23 +117,24 @@ fn chain(
     let mut random = Random::new(seed);
     let mut watch = Watch::standing(&random::joints(model, &mut random));
     let mut core = MotionCore::new(arm, PERIOD);
+    let mut state = watch.state();
     for number in 0..length {
         let Some(Motion {
             path,
             start,
             requested,
-        }) = motion(model, &arm, &watch, &mut random, counts)
+        }) = motion(model, &arm, &state, &mut random, counts)
         else {
             return;
         };
-        no_alloc(|| core.begin_at(path, &start, &watch.state(), requested))
-            .expect("the check accepted it");
+        no_alloc(|| core.begin_at(path, &start, &state, requested)).expect("the check accepted it");
         counts.takeovers += 1;
         let cycles = match number + 1 == length {
             true => 60_000,
             false => wait(&mut random),
         };
         let arrived = run(&mut core, &arm, &path, &mut watch, cycles, counts);
+        state = no_alloc(|| core.state());
         if number + 1 == length && !arrived {
             counts.not_arrived += 1;
             println!(

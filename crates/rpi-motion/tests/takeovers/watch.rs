@@ -1,4 +1,5 @@
 //! Watches set-points as a controller does: backward differences of each axis against its limits.
+#![allow(dead_code, reason = "each test target uses a part")]
 
 use rpi_motion::{Arm, JointState, Joints};
 

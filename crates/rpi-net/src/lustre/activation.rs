@@ -6,7 +6,8 @@ use crate::net::{AbsentPolicy, Activation, FragmentId, PortRef, Restart};
 use rpi_image::Scalar;
 
 impl Translator<'_> {
-    /// Adds the activation and reset flows of all fragments. Parents come first.
+    /// Adds the Lustre flows that say whether each fragment is active and whether its state is reset. Parents come
+    /// first.
     pub(super) fn fragments(&mut self) {
         for id in self.net().fragment_ids() {
             let activity = self.activity(id);
@@ -54,7 +55,8 @@ impl Translator<'_> {
         }
     }
 
-    /// Expression for a fragment's own reset condition; `None` if it has none.
+    /// Returns the Lustre expression of a fragment's own reset condition, apart from that of `parent`; `None` if it has
+    /// none. `on` is the expression that is true while the fragment is active (`None`: always).
     fn reset_condition(
         &mut self,
         id: FragmentId,
@@ -87,8 +89,11 @@ impl Translator<'_> {
         seen.holds(absent)
     }
 
-    /// Adds a state variable that is updated in the cycles in which the fragment is active. Returns the name of the
-    /// flow with the previous value; `next` maps this name to the expression of the next value.
+    /// Adds a state variable that changes only in the cycles in which the fragment is active. Returns the name of the
+    /// flow with the value of the previous active cycle.
+    ///
+    /// `first` is the initial value; `next` returns the expression of the next value for the name of the flow. `like`
+    /// is the base of the names.
     pub(super) fn add_state(
         &mut self,
         fragment: FragmentId,

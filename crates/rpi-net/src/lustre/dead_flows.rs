@@ -2,8 +2,10 @@
 
 use std::collections::{HashMap, HashSet};
 
-/// Removes unused local flows and their equations. A flow is used if an output, one of `others` or another used flow
-/// reads it. Each equation defines one flow: `name = value`.
+/// Removes local flows that are not used, and their equations. A flow is used if an output, a text in `others` or
+/// another used flow reads it.
+///
+/// `locals` are declarations such as `x: int`; `equations` have the form `name = value`.
 pub(super) fn remove_dead_flows(
     locals: Vec<String>,
     equations: Vec<String>,
@@ -53,7 +55,7 @@ fn filtered(texts: Vec<String>, kept: &[bool]) -> Vec<String> {
         .collect()
 }
 
-/// Identifiers and numbers in a Lustre text.
+/// Returns the identifiers and numbers in a Lustre text.
 fn tokens(text: &str) -> impl Iterator<Item = &str> {
     let words = text.split(|c: char| !c.is_alphanumeric() && c != '_');
     words.filter(|word| !word.is_empty())

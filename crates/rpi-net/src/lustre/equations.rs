@@ -10,7 +10,8 @@ use crate::passes::FlowPresence;
 use rpi_image::{CommandFlow, Fallback, PortType, Role, Scalar, Type, Value};
 
 impl Translator<'_> {
-    /// Writes the equation of a primitive, its assertion, or an input if the primitive has no Lustre equivalent.
+    /// Writes the Lustre equation of a node. For a primitive that checks a condition, it writes an assertion or a
+    /// property instead; for one without Lustre equivalent, an input.
     pub(super) fn write_primitive(&mut self, id: NodeId) {
         let node = self.net().node(id);
         if let Some(check) = check(node.desc().name) {
@@ -46,8 +47,8 @@ impl Translator<'_> {
         }
     }
 
-    /// Adds the bounds of a subrange check: as an assumption if the value comes from an input, otherwise as a property
-    /// to prove.
+    /// Writes the bounds of a subrange check: as an assumption if the checked value is an input, otherwise as a
+    /// property that a model checker must prove.
     fn subrange(&mut self, id: NodeId) {
         let node = self.net().node(id);
         let source = node.inputs.get(1).and_then(Input::port);
@@ -120,14 +121,15 @@ impl Translator<'_> {
         }
     }
 
-    /// Lustre expressions for the value and presence of in-port `k` of a node; `None` if the value has no Lustre form,
-    /// or if an unconnected in-port has a default.
+    /// Returns the Lustre expressions for the value and presence of in-port `k` of a node; `None` if the value has no
+    /// Lustre form, or if the in-port is not connected although it needs a value.
     pub(super) fn operand(&mut self, id: NodeId, k: usize) -> Option<ObservedFlow> {
         let seen = self.operand_presence(id, k)?;
         seen.value.is_some().then_some(seen)
     }
 
-    /// Like [`Translator::operand`], for primitives that may read only the presence: the value may have no Lustre form.
+    /// Returns the Lustre expressions for in-port `k` of a node, for primitives that may read only its presence: the
+    /// value may have no Lustre form.
     fn operand_presence(&mut self, id: NodeId, k: usize) -> Option<ObservedFlow> {
         let node = self.net().node(id);
         let declared = node.desc().inputs.get(k)?;
@@ -175,7 +177,8 @@ impl Translator<'_> {
         }
     }
 
-    /// Equation of a constant duration, as a number of whole ticks; `None` if it is not a whole number of periods.
+    /// Returns the equation of a constant duration as a number of ticks, rounded as in the control core; `None` if the
+    /// duration is not constant.
     fn constant_ticks(&mut self, id: NodeId) -> Option<Equation> {
         let Input::Const(value) = self.net().node(id).inputs.first()? else {
             return None;
@@ -187,8 +190,11 @@ impl Translator<'_> {
         })
     }
 
-    /// Equation of a strict primitive: present if all operands are. An operation that may fault is computed only then.
-    /// A partial operation, such as a quotient, is computed only if its fragment is active, too.
+    /// Returns the equation of a primitive whose output is present exactly if all operands are. `template` is its
+    /// Lustre expression.
+    ///
+    /// An operation that may fault is computed only in cycles in which the output is present, and a partial operation,
+    /// such as a quotient, only while its fragment is active, too.
     fn strict(&mut self, id: NodeId, scalar: Scalar, template: &str) -> Option<Equation> {
         let seen = self.operands(id)?;
         let is = seen
@@ -217,7 +223,7 @@ impl Translator<'_> {
         })
     }
 
-    /// Equality up to the primitive's `Epsilon`.
+    /// Returns the equation of a test for equality, up to the tolerance in the primitive's parameter `Epsilon`.
     fn equals(&mut self, id: NodeId) -> Option<Equation> {
         let node = self.net().node(id);
         let epsilon = node.params.first().cloned();

@@ -3,20 +3,22 @@
 use super::observed_flow::{ObservedFlow, PresenceCondition};
 use crate::net::FragmentId;
 
-/// Lustre expressions for the activation of a fragment (`None`: always active) and for its reset (`None`: never).
+/// Lustre expressions that are true while a fragment is active (`None`: always) and while its state is reset (`None`:
+/// never).
 #[derive(Clone, Default)]
 pub(super) struct FragmentActivation {
     pub(super) active: Option<String>,
     pub(super) reset: Option<String>,
 }
 
-/// Activation and reset expressions of the fragments that have been translated.
+/// Table of the activation and reset expressions of all fragments, by fragment index.
 pub(super) struct FragmentActivations {
     fragments: Vec<FragmentActivation>,
 }
 
 impl FragmentActivations {
-    /// Creates the table for a net with this number of fragments; at first all are always active and never reset.
+    /// Creates the table for a net with this number of fragments. At first, each fragment is always active and never
+    /// reset.
     pub(super) fn new(fragments: usize) -> Self {
         FragmentActivations {
             fragments: vec![FragmentActivation::default(); fragments],
@@ -31,7 +33,7 @@ impl FragmentActivations {
         self.fragments[fragment.index()] = activation;
     }
 
-    /// Condition under which a fragment is active.
+    /// Returns the condition under which a fragment is active.
     pub(super) fn active(&self, fragment: FragmentId) -> PresenceCondition {
         let on = self.fragments[fragment.index()].active.clone();
         on.map_or(PresenceCondition::Always, |on| {
@@ -39,7 +41,8 @@ impl FragmentActivations {
         })
     }
 
-    /// Expression that is true if a condition holds wherever it is present and its fragment is active.
+    /// Returns a Lustre expression that is true unless the fragment is active and the condition is present and false.
+    /// `None` if the condition has no Lustre form.
     pub(super) fn guarded_condition(
         &self,
         fragment: FragmentId,

@@ -9,8 +9,8 @@ use rpi_image::{CommandFlow, PortType, Presence, PrimDesc, Role, Scalar, Type, V
 use std::collections::BTreeSet;
 
 impl Translator<'_> {
-    /// Adds an input of the Lustre node unless it exists and returns its name; `None` for a type without Lustre
-    /// equivalent.
+    /// Returns the name of the input of the Lustre node for a key of the net, and adds the input if it does not exist;
+    /// `None` for a type without Lustre equivalent.
     pub(super) fn input(&mut self, key: &str, ty: Scalar) -> Option<String> {
         if let Some(name) = self.inputs_by_key.get(key) {
             return Some(name.clone());
@@ -22,7 +22,10 @@ impl Translator<'_> {
         Some(name)
     }
 
-    /// Name of the input for a flow that the control core supplies. All readers share one input.
+    /// Returns the name of the input for a flow that the control core supplies, and adds the input if it does not
+    /// exist; `None` for a type without Lustre equivalent. All readers of the flow share the input.
+    ///
+    /// `desc` is the primitive that reads the flow, `reader` the location of its use.
     pub(super) fn core_input(&mut self, desc: &'static PrimDesc, reader: Span) -> Option<String> {
         if let Some(name) = self.core_inputs.get(desc.name) {
             return Some(name.clone());
@@ -43,13 +46,13 @@ impl Translator<'_> {
         Some(name)
     }
 
-    /// Maps a flow to an input of the Lustre node.
+    /// Records that a flow of the net is the input `name` of the Lustre node.
     pub(super) fn map_to_input(&mut self, port: PortRef, name: String) {
         self.input_nodes.insert(port.node);
         self.flows.insert(port, name);
     }
 
-    /// Adds an input of the Lustre node for each input of the net, named by its key.
+    /// Adds an input of the Lustre node for each input of the net, with the key as name.
     pub(super) fn add_inputs(&mut self) {
         let read = self.net().nodes.iter().flat_map(|node| &node.inputs);
         let read: BTreeSet<PortRef> = read.filter_map(Input::port).collect();
@@ -77,7 +80,8 @@ impl Translator<'_> {
         }
     }
 
-    /// Adds inputs for the flows that the control core supplies to a command, except the period, which is a constant.
+    /// Adds inputs of the Lustre node for the flows that the control core supplies to a command. The period of a cycle
+    /// is a constant and needs no input.
     pub(super) fn add_core_inputs(&mut self) {
         for id in self.net().node_ids() {
             let node = self.net().node(id);
@@ -93,7 +97,7 @@ impl Translator<'_> {
         }
     }
 
-    /// Replaces a primitive without Lustre equivalent by inputs, and reports it.
+    /// Adds inputs of the Lustre node for the outputs of a primitive without Lustre equivalent, and reports a warning.
     pub(super) fn add_unconstrained_inputs(&mut self, id: NodeId) {
         let node = self.net().node(id);
         let mut names = Vec::new();
@@ -117,16 +121,23 @@ impl Translator<'_> {
     }
 }
 
-/// Warning that inputs stand for a primitive without Lustre equivalent; `None` without inputs.
+/// Returns the warning that the inputs `names` stand for the outputs of a primitive without Lustre equivalent; `None`
+/// without inputs.
 fn unconstrained(desc: &PrimDesc, names: &[String], reader: Span) -> Option<Diagnostic> {
     if names.is_empty() {
         return None;
     }
     let names: Vec<String> = names.iter().map(|name| format!("`{name}`")).collect();
-    let message = format!("`{}` has no Lustre equivalent", desc.name);
-    let label = format!("unconstrained input: {}", names.join(", "));
+    let message = format!("the primitive `{}` has no Lustre equivalent", desc.name);
+    let label = match &names[..] {
+        [one] => format!("becomes the input {one} of the emitted node, without a constraint"),
+        _ => format!(
+            "becomes the inputs {} of the emitted node, without a constraint",
+            names.join(", ")
+        ),
+    };
     let diagnostic = Diagnostic::new(Code::RPI9103, message);
     Some(diagnostic.primary(reader, label).help(
-        "a model checker lets this input take any value: state by `assume` what is known about it",
+        "a model checker lets such an input take any value: state what is known about it by `assume` in the emitted text",
     ))
 }

@@ -44,25 +44,29 @@ use crate::passes::Analysis;
 use rpi_diag::Diagnostic;
 use translator::Translator;
 
-/// Ports of the Lustre node in order, by the keys of the net. Without outputs, all exports become outputs.
+/// Interface of the Lustre node: its ports in order, by the keys of the net. If it lists no outputs, all exports and
+/// results of the net become outputs.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct NodeInterface<'a> {
-    /// In-ports of the Lustre node.
+    /// Inputs of the Lustre node.
     pub inputs: &'a [Column],
-    /// Out-ports of the Lustre node.
+    /// Outputs of the Lustre node; empty for all exports and results of the net.
     pub outputs: &'a [Column],
 }
 
-/// Lustre program with the diagnostics of its translation.
+/// Translation of a net to Lustre: program text and diagnostics.
 #[derive(Clone, PartialEq, Debug)]
 pub struct LustreProgram {
-    /// Text of the program.
+    /// Text of the Lustre program.
     pub text: String,
-    /// Diagnostics for primitives that became unconstrained inputs.
+    /// Warnings about primitives without Lustre equivalent, whose outputs became unconstrained inputs.
     pub diagnostics: Vec<Diagnostic>,
 }
 
-/// Translates an analysed net for a period in nanoseconds, which determines `dt` and the ticks of times.
+/// Translates an analysed net to a Lustre node.
+///
+/// `period_ns` is the period of a cycle in nanoseconds, which determines the value of `dt` and the number of ticks in a
+/// duration.
 #[must_use]
 pub fn to_lustre(
     analysis: &Analysis,

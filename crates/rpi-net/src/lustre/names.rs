@@ -2,7 +2,7 @@
 
 use std::collections::BTreeMap;
 
-/// Keywords of Lustre V6 and Kind 2, which are not valid names.
+/// Keywords of Lustre V6 and Kind 2, which cannot be names of flows.
 const KEYWORDS: &[&str] = &[
     "and",
     "any",
@@ -66,14 +66,14 @@ const KEYWORDS: &[&str] = &[
     "xor",
 ];
 
-/// Lustre names in use, each with the last number that was appended to it to make another name unique.
+/// Names in use in the Lustre text. Each has the last number that was appended to it to make another name unique.
 #[derive(Default)]
 pub(super) struct Names {
     taken: BTreeMap<String, u32>,
 }
 
 impl Names {
-    /// Returns an unused name similar to `like`: `x.f[2]` becomes `x_f_2`.
+    /// Returns an unused name similar to `like` that is valid in Lustre: `x.f[2]` becomes `x_f_2`.
     pub(super) fn fresh(&mut self, like: &str) -> String {
         let base = plain(like);
         let is_free = !KEYWORDS.contains(&base.as_str()) && !self.taken.contains_key(&base);

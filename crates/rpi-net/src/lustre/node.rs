@@ -4,7 +4,7 @@ use super::dead_flows::remove_dead_flows;
 use super::names::Names;
 use std::fmt::Write;
 
-/// Lustre node under construction.
+/// Lustre node that is being written: its declarations, equations and claims as text.
 pub(super) struct LustreNode {
     pub(super) names: Names,
     name: String,
@@ -12,14 +12,14 @@ pub(super) struct LustreNode {
     outputs: Vec<String>,
     locals: Vec<String>,
     equations: Vec<String>,
-    /// Boolean expressions that are assumed (`assert`).
+    /// Boolean expressions that a model checker may assume (`assert`).
     pub(super) assumptions: Vec<String>,
-    /// Boolean expressions to prove (`--%PROPERTY`).
+    /// Boolean expressions that a model checker must prove (`--%PROPERTY`).
     pub(super) properties: Vec<String>,
 }
 
 impl LustreNode {
-    /// An empty node, named after a net.
+    /// Creates an empty node whose name is that of the net, made valid in Lustre.
     pub(super) fn new(net_name: &str) -> Self {
         let mut names = Names::default();
         let name = names.fresh(net_name);
@@ -47,27 +47,27 @@ impl LustreNode {
         self.equations.push(format!("{name} = {value}"));
     }
 
-    /// Adds a local flow with this name and equation.
+    /// Adds a local flow with the name `name`, the type `ty` and the expression `value`.
     pub(super) fn define(&mut self, name: &str, ty: &str, value: &str) {
         self.locals.push(format!("{name}: {ty}"));
         self.add_equation(name, value);
     }
 
-    /// Adds a local flow with this equation and returns its name.
+    /// Adds a local flow with a new name similar to `like` and the expression `value`. Returns the name.
     pub(super) fn add_local(&mut self, like: &str, ty: &str, value: &str) -> String {
         let name = self.names.fresh(like);
         self.define(&name, ty, value);
         name
     }
 
-    /// Declares a local flow, whose equation the caller adds, and returns its name.
+    /// Declares a local flow with a new name similar to `like`, and returns the name. The caller must add its equation.
     pub(super) fn declare_local(&mut self, like: &str, ty: &str) -> String {
         let name = self.names.fresh(like);
         self.locals.push(format!("{name}: {ty}"));
         name
     }
 
-    /// Removes local flows that nothing reads, and formats the node.
+    /// Removes local flows that are not used, and returns the text of the node.
     pub(super) fn into_text(mut self) -> String {
         let others = [&self.assumptions[..], &self.properties[..]].concat();
         (self.locals, self.equations) = remove_dead_flows(self.locals, self.equations, &others);

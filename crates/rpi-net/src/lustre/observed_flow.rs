@@ -2,16 +2,17 @@
 
 use crate::net::AbsentPolicy;
 
-/// Lustre expressions for the value and presence of a flow as a reader sees it.
+/// Lustre expressions for the value and presence of a flow as one of its readers sees it.
 pub(super) struct ObservedFlow {
-    /// Value expression; `None` for a type without Lustre equivalent.
+    /// Expression of the value; `None` for a type without Lustre equivalent.
     pub(super) value: Option<String>,
     /// Condition under which the flow is present.
     pub(super) presence: PresenceCondition,
 }
 
 impl ObservedFlow {
-    /// Lustre expression that is true if the Boolean flow is true. `absent` is the meaning of an absent value.
+    /// Returns a Lustre expression that is true if the Boolean flow is true. `absent` decides its value in cycles in
+    /// which the flow is absent.
     pub(super) fn holds(&self, absent: AbsentPolicy) -> String {
         let value = self.value.as_deref().unwrap_or("false");
         match (&self.presence, absent) {
@@ -22,17 +23,17 @@ impl ObservedFlow {
     }
 }
 
-/// Presence condition of a flow.
+/// Condition under which a flow has a value in a cycle.
 #[derive(Clone, PartialEq, Debug)]
 pub(super) enum PresenceCondition {
     Always,
     Never,
-    /// Present while all of these expressions are true.
+    /// The flow is present while all these Lustre expressions are true.
     While(Vec<String>),
 }
 
 impl PresenceCondition {
-    /// Conjunction of two presence conditions.
+    /// Returns the condition that holds if both conditions do.
     pub(super) fn and(&self, other: &PresenceCondition) -> PresenceCondition {
         match (self, other) {
             (PresenceCondition::Never, _) | (_, PresenceCondition::Never) => {
@@ -46,7 +47,7 @@ impl PresenceCondition {
         }
     }
 
-    /// Disjunction with a Boolean expression.
+    /// Returns the condition that holds if `self` does or the Lustre expression is true.
     pub(super) fn or(&self, expression: &str) -> PresenceCondition {
         match self {
             PresenceCondition::Always => PresenceCondition::Always,
@@ -54,7 +55,7 @@ impl PresenceCondition {
         }
     }
 
-    /// Boolean expression of the condition, in parentheses where needed.
+    /// Returns the condition as a Lustre expression, in parentheses where needed.
     pub(super) fn text(&self) -> String {
         match self {
             PresenceCondition::Always => "true".to_owned(),

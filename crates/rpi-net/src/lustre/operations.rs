@@ -2,14 +2,14 @@
 
 use super::observed_flow::{ObservedFlow, PresenceCondition};
 
-/// Lustre expressions of a flow's value and presence.
+/// Lustre expressions for the value and presence of a flow, from which its equation is written.
 pub(super) struct Equation {
     pub(super) value: String,
     pub(super) presence: PresenceCondition,
 }
 
 impl Equation {
-    /// Equation of a flow that is present in every cycle.
+    /// Creates the equation of a flow that is present in every cycle.
     pub(super) fn always_present(value: String) -> Equation {
         Equation {
             value,
@@ -18,7 +18,8 @@ impl Equation {
     }
 }
 
-/// Strong Kleene logic for `and`, `or` and `=>` (`not a or b`): one operand may decide the result alone.
+/// Returns the equation of `and`, `or` or `=>` (which is `not a or b`) in strong Kleene logic: one operand may decide
+/// the result while the other is absent. `None` unless there are two operands with Lustre forms.
 pub(super) fn kleene(operands: &[ObservedFlow], op: &str) -> Option<Equation> {
     let [a, b] = operands else {
         return None;
@@ -59,7 +60,7 @@ pub(super) fn kleene(operands: &[ObservedFlow], op: &str) -> Option<Equation> {
     })
 }
 
-/// Conditional: the branch that is not selected may be absent.
+/// Returns the equation of `if c then x else y`. The operand that is not selected may be absent.
 pub(super) fn conditional(operands: &[ObservedFlow]) -> Option<Equation> {
     let [condition, yes, no] = operands else {
         return None;
@@ -83,7 +84,7 @@ pub(super) fn conditional(operands: &[ObservedFlow]) -> Option<Equation> {
     })
 }
 
-/// First operand if it is present, otherwise the second.
+/// Returns the equation of `x ?? y`: the first operand where it is present, otherwise the second.
 pub(super) fn coalesce(operands: &[ObservedFlow]) -> Option<Equation> {
     let [first, second] = operands else {
         return None;
@@ -110,7 +111,7 @@ pub(super) fn coalesce(operands: &[ObservedFlow]) -> Option<Equation> {
     })
 }
 
-/// Operand that is present unless the second operand is true or absent.
+/// Returns the equation of the first operand, made absent in cycles in which the second operand is true or absent.
 pub(super) fn set_null(operands: &[ObservedFlow]) -> Option<Equation> {
     let [operand, null] = operands else {
         return None;

@@ -1,25 +1,29 @@
 //! Primitives that are Lustre expressions: their result depends only on their in-ports and is present if these are.
 
-/// Lustre expression of a primitive; `{0}`, `{1}` are placeholders for its in-ports.
+/// Returns the Lustre expression of a primitive, with placeholders such as `{0}` for its in-ports; `None` for other
+/// primitives.
 pub(super) fn operator(prim: &str) -> Option<&'static str> {
     let row = OPERATORS.iter().find(|row| row.0 == prim);
     row.map(|row| row.1)
 }
 
-/// Lustre expression of a primitive that is computed only while a guard is true, and the value otherwise. `{0}` is the
-/// guard, the operands follow.
+/// Returns the Lustre expression of a primitive that is computed only while a guard is true, and the value of its
+/// output otherwise. `None` for other primitives.
+///
+/// In-port 0 is the guard; the expression has the placeholders `{1}` and `{2}` for the operands.
 pub(super) fn guarded(prim: &str) -> Option<(&'static str, &'static str)> {
     let row = GUARDED.iter().find(|row| row.0 == prim);
     row.map(|row| (row.1, row.2))
 }
 
-/// Whether a primitive is undefined for some operands, in Lustre as well as here.
+/// Returns whether a primitive has no result for some operands, such as a division by 0, in Lustre as well as in the
+/// control core.
 pub(super) fn is_partial(prim: &str) -> bool {
     let ends = ["IntDivide", "IntModulo", "IntFromDouble"];
     ends.iter().any(|end| prim.ends_with(end))
 }
 
-/// Way in which a condition that a program asserts is passed to a model checker.
+/// Role, for a model checker, of a condition that a program asserts.
 #[derive(Clone, Copy)]
 pub(super) enum Check {
     /// The model checker assumes the condition.
@@ -28,8 +32,8 @@ pub(super) enum Check {
     Property,
 }
 
-/// Way in which a primitive that ends the command when a condition is false is passed to a model checker; `None` for
-/// other primitives.
+/// Returns the role, for a model checker, of the condition of a primitive that ends the command when the condition is
+/// false; `None` for other primitives.
 pub(super) fn check(prim: &str) -> Option<Check> {
     let row = CHECKS.iter().find(|row| row.0 == prim);
     row.map(|row| row.1)
@@ -82,7 +86,7 @@ const GUARDED: &[(&str, &str, &str)] = &[
     ("Rpi::GuardedIntFromDouble", "int {1}",                         "0"),
 ];
 
-/// Replaces the placeholders of a template by operands.
+/// Returns the template with its placeholders `{0}`, `{1}`, ... replaced by the operands.
 pub(super) fn fill(template: &str, operands: &[String]) -> String {
     let mut text = template.to_owned();
     for (k, operand) in operands.iter().enumerate() {

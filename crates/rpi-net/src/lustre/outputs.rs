@@ -10,7 +10,8 @@ use crate::net::{
 use rpi_image::{CommandFlow, Role, Scalar, Type};
 use rpi_prims::registry;
 
-/// Exports that become outputs of the Lustre node: those of the interface, or all if the interface lists no outputs.
+/// Returns the exports that become outputs of the Lustre node, with key, type and source: those of the interface, or
+/// all scalar ones if the interface lists no outputs.
 pub(super) fn exports(net: &Net, boundary: &NodeInterface<'_>) -> Vec<(String, Scalar, PortRef)> {
     let exported = |key: &str| net.exports.iter().find(|export| export.key == key);
     if !boundary.outputs.is_empty() {
@@ -29,7 +30,8 @@ pub(super) fn exports(net: &Net, boundary: &NodeInterface<'_>) -> Vec<(String, S
     one.collect()
 }
 
-/// Results of a command that become outputs of the Lustre node; empty if the interface lists the outputs.
+/// Returns the results of a command that become outputs of the Lustre node: all of them, or none if the interface lists
+/// the outputs.
 pub(super) fn results<'n>(net: &'n Net, boundary: &NodeInterface<'_>) -> &'n [ResultPort] {
     match &net.termination {
         Termination::Results(results) if boundary.outputs.is_empty() => results,
@@ -38,13 +40,14 @@ pub(super) fn results<'n>(net: &'n Net, boundary: &NodeInterface<'_>) -> &'n [Re
 }
 
 impl Translator<'_> {
-    /// Reserves the Lustre name of an output, so that no local flow gets it.
+    /// Reserves the Lustre name of the output for a key, so that no local flow gets the name.
     pub(super) fn reserve(&mut self, key: &str) {
         let name = self.node.names.fresh(key);
         self.reserved.insert(key.to_owned(), name);
     }
 
-    /// Adds an output of the Lustre node. An output that may be absent gets a second, Boolean output for its presence.
+    /// Adds an output of the Lustre node for a flow. An output that may be absent gets a second, Boolean output that is
+    /// true while it is present.
     pub(super) fn output(&mut self, key: &str, ty: Scalar, source: PortRef) {
         let seen = self.seen(FragmentId::ROOT, &Input::Port(source), ty);
         let (Some(value), Some(name)) = (seen.value, type_name(ty)) else {
@@ -65,7 +68,8 @@ impl Translator<'_> {
         reserved.unwrap_or_else(|| self.node.names.fresh(key))
     }
 
-    /// Adds an output for each result. At most one is true: a `fail` comes first, then the first result in the text.
+    /// Adds a Boolean output for each result of the command. At most one is true in a cycle: `fail` results take
+    /// precedence, then the first result in the text.
     pub(super) fn write_results(&mut self, results: &[ResultPort]) {
         let names: Vec<String> = results
             .iter()
@@ -89,7 +93,8 @@ impl Translator<'_> {
         }
     }
 
-    /// Lustre expression for the condition of a result. A `yield` also needs a successor.
+    /// Returns the Lustre expression that is true if the command may end with the result. A `yield` also needs a
+    /// successor.
     fn result_condition(&mut self, result: &ResultPort) -> String {
         let seen = self.seen(FragmentId::ROOT, &result.condition, Scalar::Bool);
         let condition = seen.holds(AbsentPolicy::Inactive);

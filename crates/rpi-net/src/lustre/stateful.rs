@@ -9,7 +9,8 @@ use crate::passes::FlowPresence;
 use rpi_image::Scalar;
 
 impl Translator<'_> {
-    /// Equation of a hold: the last value that was present, or the initial value before the first one.
+    /// Returns the equation of a primitive that holds a value: the last value of its input that was present, or the
+    /// initial value before the first one. `None` if an operand has no Lustre form.
     pub(super) fn hold(&mut self, id: NodeId, scalar: Scalar) -> Option<Equation> {
         let seen = self.operands(id)?;
         let [given, initial] = &seen[..] else {
@@ -64,7 +65,8 @@ impl Translator<'_> {
         })
     }
 
-    /// Equation of `first`: a Boolean that is true in the first cycle of the fragment.
+    /// Returns the equation of `first`, which is true in the first cycle in which the fragment is active. `None` is
+    /// never returned.
     pub(super) fn first(&mut self, id: NodeId) -> Option<Equation> {
         let fragment = self.net().node(id).fragment;
         let like = self.flow(PortRef { node: id, port: 0 });

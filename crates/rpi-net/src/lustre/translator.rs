@@ -13,19 +13,22 @@ use std::collections::{BTreeMap, BTreeSet};
 /// State of the translation of a net to a Lustre node.
 pub(super) struct Translator<'n> {
     pub(super) analysis: &'n Analysis,
-    /// Period of a cycle in nanoseconds.
+    /// Period of a cycle of the command in nanoseconds.
     pub(super) period_ns: u64,
     pub(super) node: LustreNode,
     pub(super) diagnostics: Vec<Diagnostic>,
-    /// Lustre name of each flow. The name with the suffix `_is` is its presence.
+    /// Lustre name of each flow. The name with the suffix `_is` is the Boolean flow that is true while the flow is
+    /// present.
     pub(super) flows: BTreeMap<PortRef, String>,
-    /// Lustre names of the declared inputs, by key.
+    /// Lustre name of the input for each key of a declared input.
     pub(super) inputs_by_key: BTreeMap<String, String>,
-    /// Lustre names of the inputs for flows that the control core supplies, by primitive.
+    /// Lustre name of the input for each flow that the control core supplies, by the name of the primitive that reads
+    /// it.
     pub(super) core_inputs: BTreeMap<&'static str, String>,
-    /// Nodes that are represented by inputs.
+    /// Nodes whose outputs are inputs of the Lustre node, so that they need no equation.
     pub(super) input_nodes: BTreeSet<NodeId>,
-    /// Names of the outputs in the Lustre text, reserved so that no other flow gets them; by the key of the export.
+    /// Lustre names of the outputs, by the key of the export or the name of the result. They are reserved so that no
+    /// other flow gets them.
     pub(super) reserved: BTreeMap<String, String>,
     pub(super) fragments: FragmentActivations,
 }
@@ -50,7 +53,7 @@ impl<'n> Translator<'n> {
         &self.analysis.net
     }
 
-    /// Lustre name of a flow, whether or not its equation has been written.
+    /// Returns the Lustre name of a flow, which is created on first use.
     pub(super) fn flow(&mut self, port: PortRef) -> String {
         if let Some(name) = self.flows.get(&port) {
             return name.clone();
@@ -71,12 +74,12 @@ impl<'n> Translator<'n> {
         name
     }
 
-    /// Name of the Boolean flow that says whether a flow is present.
+    /// Returns the name of the Boolean flow that is true while a flow is present.
     pub(super) fn presence_name(&mut self, port: PortRef) -> String {
         format!("{}_is", self.flow(port))
     }
 
-    /// Presence condition of a flow in the cycles in which its fragment is active.
+    /// Returns the condition under which a flow is present in the cycles in which its fragment is active.
     pub(super) fn own_presence(&mut self, port: PortRef) -> PresenceCondition {
         match self.analysis.presences.own(port) {
             FlowPresence::Total => PresenceCondition::Always,
@@ -85,8 +88,8 @@ impl<'n> Translator<'n> {
         }
     }
 
-    /// Lustre expressions for the value and presence of an input's source, as seen by a reader in the fragment
-    /// `reader`.
+    /// Returns the Lustre expressions for the value and presence of an input's source, as seen by a reader in the
+    /// fragment `reader`. `ty` is the type of the input.
     pub(super) fn seen(&mut self, reader: FragmentId, input: &Input, ty: Scalar) -> ObservedFlow {
         match input {
             Input::Unconnected => ObservedFlow {

@@ -2,7 +2,7 @@
 
 use rpi_image::{Scalar, Value};
 
-/// Lustre literal of a value; `None` if Lustre has none, as for a pose or a NaN.
+/// Returns the Lustre literal of a value; `None` if there is none, as for a pose or a NaN.
 pub(super) fn literal(value: &Value) -> Option<String> {
     if let Some(truth) = value.as_bool() {
         return Some(truth.to_string());
@@ -13,7 +13,7 @@ pub(super) fn literal(value: &Value) -> Option<String> {
     value.as_real().filter(|x| x.is_finite()).map(real)
 }
 
-/// Lustre literal of the neutral value of a type; `None` for a type without Lustre equivalent.
+/// Returns the Lustre literal of the neutral value (false or 0) of a type; `None` for a type without Lustre equivalent.
 pub(super) fn neutral(scalar: Scalar) -> Option<&'static str> {
     match scalar {
         Scalar::Bool => Some("false"),
@@ -23,7 +23,7 @@ pub(super) fn neutral(scalar: Scalar) -> Option<&'static str> {
     }
 }
 
-/// Lustre name of a type.
+/// Returns the Lustre name of a type; `None` for a type without Lustre equivalent.
 pub(super) fn type_name(scalar: Scalar) -> Option<&'static str> {
     match scalar {
         Scalar::Bool => Some("bool"),
@@ -42,8 +42,8 @@ fn integer(value: i64) -> String {
     }
 }
 
-/// Formats a real with enough digits to parse to the same bits. It always contains a point: Kind 2 reads a number
-/// without one as an integer.
+/// Returns a real as text, with enough digits to parse to the same bits. The text always contains a point, since Kind 2
+/// reads a number without one as an integer.
 fn real(value: f64) -> String {
     let digits = format!("{:?}", value.abs());
     let digits = match digits.split_once('e') {

@@ -13,33 +13,33 @@ use crate::net::{FragmentId, Net, PortRef};
 use crate::verify_error::VerifyError;
 use rpi_diag::{Diagnostic, Severity};
 
-/// Net with the results of the analysis passes.
+/// Net with the results of all analysis passes.
 #[derive(Clone, Debug)]
 pub struct Analysis {
-    /// Net after the passes, which may have changed it.
+    /// Net after the passes. Passes may have added nodes.
     pub net: Net,
     /// Tree of the net's fragments.
     pub tree: FragmentTree,
     /// Errors, warnings and hints about the net.
     pub diagnostics: Vec<Diagnostic>,
-    /// Summary of each pass: its name and one line of text.
+    /// Name of each pass, in the order of the passes, with a summary of its result in one line of text.
     pub summary: Vec<(&'static str, String)>,
-    /// Readers of each node; emptied after the last pass.
+    /// For each node, the nodes that read it; emptied after the last pass.
     users: Readers,
-    /// Dependency graphs; emptied after scheduling to save memory.
+    /// Dependency graphs of the fragments; emptied after scheduling to save memory.
     dependencies: Dependencies,
     /// Order of evaluation; `None` if the net has a dependency cycle.
     pub schedule: Option<Schedule>,
-    /// Presence of all flows.
+    /// For each flow, whether it has a value in every, some or no cycle.
     pub presences: Presences,
-    /// Writers of each actuator, which are the resources that the command takes.
+    /// Nodes that write each actuator. The actuators are the resources that the command holds.
     pub writers: Writers,
-    /// Upper bounds on the work of a cycle.
+    /// Upper bounds on the work per cycle of each fragment.
     pub work: WorkBounds,
 }
 
 impl Analysis {
-    /// Creates an analysis without results.
+    /// Creates an analysis of a net without results.
     fn new(net: Net) -> Self {
         let nothing = Net::new("");
         Analysis {
@@ -64,13 +64,13 @@ impl Analysis {
         Ok(())
     }
 
-    /// Empties the tables that only passes need.
+    /// Empties the tables that are needed only while passes run.
     fn drop_pass_tables(mut self) -> Self {
         self.users = Readers::new(&Net::new(""));
         self
     }
 
-    /// Returns the tables that proofs about flows need, by reference.
+    /// Returns the net and the tables that proofs about flows need.
     fn proof_context(&self) -> ProofContext<'_> {
         ProofContext {
             net: &self.net,
@@ -80,7 +80,7 @@ impl Analysis {
         }
     }
 
-    /// Computes the dependency graphs and the schedule again.
+    /// Computes the dependency graphs and the schedule of the current net.
     fn update_schedule(&mut self) {
         self.dependencies = Dependencies::new(&self.net, &self.tree);
         self.schedule = Schedule::new(&self.net, &self.dependencies);
@@ -89,14 +89,14 @@ impl Analysis {
 
 /// Analysis pass over a net, which checks or computes one property.
 pub struct Pass {
-    /// Name of the pass.
+    /// Name of the pass in summaries.
     pub name: &'static str,
-    /// Property that the pass establishes.
+    /// Property of the net that the pass checks or computes.
     pub description: &'static str,
     run: fn(&mut Analysis, &ForcedOptional<'_>) -> Result<String, VerifyError>,
 }
 
-/// Selects ports that count as optional regardless of their presence rule.
+/// Function that selects out-ports whose flow counts as optional, whatever the presence rule of the out-port.
 type ForcedOptional<'a> = dyn Fn(PortRef) -> bool + 'a;
 
 /// Analysis passes in the order in which they run.
@@ -263,7 +263,7 @@ pub const PASSES: &[Pass] = &[
 /// Number of passes at the start of [`PASSES`] that determine whether a schedule exists.
 const SCHEDULING_PASSES: usize = 2;
 
-/// Runs the verifier of a pass in tests and debug builds. Release builds skip it for speed.
+/// Runs a check of the result of a pass in tests and debug builds. Release builds skip it for speed.
 fn verified(check: impl FnOnce() -> Result<(), VerifyError>) -> Result<(), VerifyError> {
     match cfg!(debug_assertions) {
         true => check(),
@@ -271,7 +271,7 @@ fn verified(check: impl FnOnce() -> Result<(), VerifyError>) -> Result<(), Verif
     }
 }
 
-/// Whether the net has a dependency cycle within a cycle of the control core.
+/// Returns whether a flow of the net depends on itself within one cycle of the control core.
 #[must_use]
 pub fn has_dependency_cycle(net: &Net) -> bool {
     let dependencies = Dependencies::new(net, &FragmentTree::new(net));
@@ -280,21 +280,26 @@ pub fn has_dependency_cycle(net: &Net) -> bool {
         && analyse_unless_cyclic(net.clone(), |_| false).is_ok_and(|analysis| analysis.is_none())
 }
 
-/// Runs all passes over a net. `forced` selects ports that count as optional regardless of their presence rule: a
-/// replay may force an absent value on them.
+/// Runs all passes over a net.
+///
+/// `forced` selects out-ports whose flow counts as optional, whatever their presence rule: a replay may force an absent
+/// value on them.
 ///
 /// # Errors
-/// Returns an error if the net is malformed or a pass broke its postcondition, which is a bug in the compiler.
+/// Returns an error if the net is malformed, or if the result of a pass is wrong, which is a bug in the compiler.
 pub fn analyse(net: Net, forced: impl Fn(PortRef) -> bool) -> Result<Analysis, VerifyError> {
     let mut analysis = Analysis::new(net);
     analysis.run(PASSES, &forced)?;
     Ok(analysis.drop_pass_tables())
 }
 
-/// Like [`analyse`], but returns `None` if the net has a dependency cycle, for callers that report it from another net.
+/// Runs all passes over a net. Returns `None` if the net has a dependency cycle, for callers that report it from
+/// another net of the same program.
+///
+/// `forced` selects out-ports whose flow counts as optional, whatever their presence rule.
 ///
 /// # Errors
-/// Returns an error in the same cases as [`analyse`].
+/// Returns an error if the net is malformed, or if the result of a pass is wrong, which is a bug in the compiler.
 pub fn analyse_unless_cyclic(
     net: Net,
     forced: impl Fn(PortRef) -> bool,

@@ -10,8 +10,8 @@ use rpi_diag::{Code, Diagnostic};
 use rpi_image::{CommandFlow, Role};
 use rustc_hash::FxHashSet;
 
-/// Returns a warning about a command that moves an arm along a path and ignores a cancel request. Imported nets and tests
-/// are not checked.
+/// Returns a warning if a command moves an arm along a path and ignores a cancel request; `None` otherwise. Imported
+/// nets and tests are not checked.
 pub(crate) fn check(net: &Net, writers: &Writers) -> Option<Diagnostic> {
     let Termination::Results(results) = &net.termination else {
         return None;
@@ -23,7 +23,7 @@ pub(crate) fn check(net: &Net, writers: &Writers) -> Option<Diagnostic> {
     ignores.then(|| diagnostic(net, last, device))
 }
 
-/// Whether the diagnostic says that a command ignores a cancel request.
+/// Returns whether the diagnostic reports a command that ignores a cancel request.
 pub fn is_cancel_ignored(diagnostic: &Diagnostic) -> bool {
     diagnostic.code == Code::RPI6202
 }
@@ -34,9 +34,9 @@ fn diagnostic(net: &Net, last: &ResultPort, device: &str) -> Diagnostic {
     Diagnostic::new(Code::RPI6202, message)
         .primary(last.origin.span, "no result depends on `cancel`")
         .note(format!(
-            "cancelled, it drives `{device}` until one of its results happens"
+            "a cancelled `{name}` drives `{device}` until one of its results happens"
         ))
-        .help("end it when the device is at rest after `cancel`: `fail stopped when c`")
+        .help("after `cancel` a motion comes to rest, and its output `stopped` is true: add a result for this case, `fail stopped when ...;` or `finish stopped when ...;`")
 }
 
 fn depends_on_cancel(net: &Net, writers: &Writers, results: &[ResultPort]) -> bool {
@@ -53,7 +53,7 @@ fn depends_on_cancel(net: &Net, writers: &Writers, results: &[ResultPort]) -> bo
     search.finds_cancel()
 }
 
-/// Search against the direction of the flows.
+/// Search from results and set-points back to their sources, to find out whether they depend on the cancel request.
 struct Search<'a> {
     net: &'a Net,
     seen: FxHashSet<NodeId>,
@@ -88,7 +88,7 @@ impl Search<'_> {
         }
     }
 
-    /// What decides whether a fragment is active.
+    /// Adds the conditions that decide whether the fragment and those around it are active.
     fn fragment(&mut self, id: FragmentId) {
         let net = self.net;
         for id in net.ancestors(id) {
@@ -102,7 +102,7 @@ impl Search<'_> {
     }
 }
 
-/// Whether a node moves a device along a path, on which it can pause.
+/// Returns whether a node moves a device along a path and can pause on it.
 fn is_motion(node: &Node) -> bool {
     let desc = node.desc();
     let can_pause = desc.inputs.iter().any(|port| port.name == "inPaused");

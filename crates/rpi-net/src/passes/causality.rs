@@ -15,11 +15,12 @@ use rpi_image::{Scalar, Type};
 use std::cell::LazyCell;
 use std::collections::BTreeMap;
 
-/// Maximal number of steps of a dependency cycle that a diagnostic shows. Cycles in programs are shorter, those of
-/// damaged nets need not be.
+/// Maximum number of steps of a dependency cycle that a diagnostic shows. Dependency cycles in programs are shorter;
+/// those in damaged nets may be longer.
 const SHOWN: usize = 40;
 
-/// Returns a diagnostic for each dependency cycle of a net.
+/// Returns a diagnostic for each dependency cycle of a net: a set of flows that depend on one another in the same
+/// cycle.
 #[must_use]
 pub fn check(net: &Net, dependencies: &Dependencies) -> Vec<Diagnostic> {
     let mut diagnostics = Vec::new();
@@ -39,49 +40,49 @@ pub fn check(net: &Net, dependencies: &Dependencies) -> Vec<Diagnostic> {
     diagnostics
 }
 
-/// Step of a dependency cycle as the diagnostic shows it: `to` reads `from` at `span`.
+/// Step of a dependency cycle as the diagnostic shows it: the flow `to` reads the flow `from` at the location `span`.
 struct Step {
     from: String,
     to: String,
     reader: Reader,
     span: Span,
-    /// Locations of all reads that make `to` depend on `from`; empty if they are inside a fragment, where a `pre` would
-    /// not break the dependency cycle.
+    /// Locations of all reads that make `to` depend on `from`; empty if a read is inside a fragment, where a `pre`
+    /// would not break the dependency cycle.
     reads: Vec<Span>,
-    /// Whether all reads are on the right side of a `->`, whose left side gives the first value.
+    /// Whether all reads are on the right side of a `->`, whose left side is the value in the first cycle.
     has_initial_value: bool,
+    /// Whether the read is part of the condition under which `to` is active.
+    decides_activation: bool,
+    /// Whether `from` is a state of an automaton.
+    is_from_state: bool,
 }
 
-/// Read of a flow by another flow within a cycle, with source names and locations.
+/// Read of a flow by another flow in the same cycle, with the names and locations in the program.
 #[derive(Clone, PartialEq, Eq, Debug)]
 pub struct Read {
     /// Name of the flow that is read.
     pub from: String,
-    /// Name of the flow that reads.
+    /// Name of the flow whose equation reads another flow.
     pub to: String,
-    /// Location of the first read.
+    /// Location of the read.
     pub span: Span,
-    /// Locations of further reads. The dependency cycle is broken only if all reads are delayed.
-    pub further_spans: Vec<Span>,
 }
 
-/// Returns the diagnostic for a dependency cycle of reads. Each read uses the flow that the previous one defines. A fix
-/// offers a `pre` at each read.
+/// Returns the diagnostic for a dependency cycle of reads. Each read uses the flow that the previous one defines.
 #[must_use]
 pub fn dependency_cycle(reads: &[Read]) -> Diagnostic {
     let label = |read: &Read| format!("`{}` reads `{}` here", read.to, read.from);
     let steps = reads
         .iter()
         .map(|read| (read.from.as_str(), read.span, label(read)));
-    let mut diagnostic = cycle_diagnostic(&steps.collect::<Vec<_>>());
-    let fix = |read: &Read| {
-        let all: Vec<Span> = std::iter::once(read.span)
-            .chain(read.further_spans.clone())
-            .collect();
-        delay_fix(&read.from, &read.to, &all, None)
-    };
-    diagnostic.fixes = reads.iter().take(SHOWN).map(fix).collect();
-    diagnostic.help(BREAK_HELP)
+    let diagnostic = cycle_diagnostic(&steps.collect::<Vec<_>>());
+    // Without a type, a fix has no first value: a `pre` alone would be the next error.
+    match reads.first() {
+        Some(Read { from, .. }) => diagnostic.help(format!(
+            "delay one step: write `(... -> pre {from})` for `{from}`, with the value of the first cycle in place of `...`"
+        )),
+        None => diagnostic,
+    }
 }
 
 const BREAK_HELP: &str =
@@ -111,14 +112,15 @@ fn diagnostic_of(
     };
     diagnostic.help(match is_program(net) {
         true if ring.iter().any(is_fragment) => {
-            "delay one step with `pre`; a fragment counts as one step, regardless of delays inside it"
+            "delay one step with `pre`; a fragment or state counts as one step, regardless of delays inside it"
         }
         true => BREAK_HELP,
         false => "delay one step with a `Pre`; inside a fragment it breaks only dependency cycles there",
     })
 }
 
-/// Diagnostic for a dependency cycle. Each step consists of the name that is read, the location, and its label.
+/// Returns the diagnostic for a dependency cycle without fixes. Each step consists of the name of the flow that is
+/// read, the location of the read, and the text of its label.
 fn cycle_diagnostic(steps: &[(&str, Span, String)]) -> Diagnostic {
     let mut names: Vec<String> = steps
         .iter()
@@ -148,14 +150,22 @@ fn step_label(step: &Step) -> String {
         from, to, reader, ..
     } = step;
     match reader {
+        Reader::Input(..) if step.decides_activation => {
+            format!("`{from}` decides here whether `{to}` is active")
+        }
+        Reader::Input(..) if step.is_from_state => {
+            format!("`{to}` gets its value in `{from}` here")
+        }
         Reader::Input(..) | Reader::InPort(..) => format!("`{to}` reads `{from}` here"),
         Reader::Activation(_) => format!("`{from}` activates `{to}` here"),
         Reader::Restart(_) => format!("`{from}` restarts `{to}` here"),
     }
 }
 
-/// Steps of a dependency cycle from one named item to the next. Subexpressions have no names. In an imported net every
-/// item counts as named.
+/// Returns the steps of a dependency cycle from each flow with a name to the next. Subexpressions have no names. If
+/// nothing on the cycle has a name, as in an imported net, each node and fragment is a step.
+///
+/// `ring` holds the edges of the cycle in order.
 fn steps(net: &Net, graph: &Graph, ring: &[EdgeIndex]) -> Vec<Step> {
     let all = !ring.iter().any(|e| flow_name(net, graph, *e).is_some());
     let is_named = |e: &EdgeIndex| all || flow_name(net, graph, *e).is_some();
@@ -166,7 +176,10 @@ fn steps(net: &Net, graph: &Graph, ring: &[EdgeIndex]) -> Vec<Step> {
     let mut steps: Vec<Step> = Vec::new();
     while let Some(edge) = edges.next() {
         let Dependency { source, reader } = graph[*edge];
-        while edges.next_if(|e| !is_named(e)).is_some() {}
+        let mut last = reader;
+        while let Some(inner) = edges.next_if(|e| !is_named(e)) {
+            last = graph[*inner].reader;
+        }
         let end = edges.peek().copied().or(ring.get(start)).copied();
         let end = end
             .and_then(|next| graph.edge_endpoints(next))
@@ -178,13 +191,28 @@ fn steps(net: &Net, graph: &Graph, ring: &[EdgeIndex]) -> Vec<Step> {
             span: span(net, reader),
             reads: end.map_or_else(Vec::new, |end| reads(net, graph, *edge, end)),
             has_initial_value: end.is_some_and(|end| has_first(net, graph, *edge, end)),
+            decides_activation: matches!(last, Reader::Activation(_) | Reader::Restart(_)),
+            is_from_state: starts_at_state(net, graph, *edge),
         });
     }
+    merge_call_outputs(&mut steps);
     close_ring(&mut steps);
     steps
 }
 
-/// Lets each step lead to the item from which the next one starts, and the last step to the first item.
+/// Removes steps from an output of a call to the flow with the name of the call. For `c = half(e)`, it is the step from
+/// `c.y` to `c`, as the program has no name `c.y`.
+fn merge_call_outputs(steps: &mut Vec<Step>) {
+    let names: Vec<String> = steps.iter().map(|step| step.from.clone()).collect();
+    let mut next = (1..names.len()).chain([0]);
+    steps.retain(|step| {
+        let reader = next.next().and_then(|at| names.get(at));
+        let output = reader.and_then(|reader| step.from.strip_prefix(reader.as_str()));
+        !output.is_some_and(|output| output.starts_with('.'))
+    });
+}
+
+/// Sets the end of each step to the start of the next one, and that of the last step to the start of the first.
 fn close_ring(steps: &mut [Step]) {
     let names: Vec<String> = steps.iter().map(|s| s.from.clone()).collect();
     for (k, step) in steps.iter_mut().enumerate() {
@@ -192,15 +220,14 @@ fn close_ring(steps: &mut [Step]) {
     }
 }
 
-/// Locations at which the flow at the source of an edge is read on the paths to the named item `end`.
+/// Returns the locations at which the flow at the source of an edge is read on paths to the vertex `end` without other
+/// named flows. Empty if one of these reads is inside a fragment.
 fn reads(net: &Net, graph: &Graph, edge: EdgeIndex, end: NodeIndex) -> Vec<Span> {
     let Some((from, _)) = graph.edge_endpoints(edge) else {
         return Vec::new();
     };
     // A state's part in a shared flow has no read in the text.
-    if let Some(Item::Fragment(id)) = graph.node_weight(from)
-        && is_state(net.fragment(*id))
-    {
+    if starts_at_state(net, graph, edge) {
         return Vec::new();
     }
     let mut places = Vec::new();
@@ -220,7 +247,13 @@ fn reads(net: &Net, graph: &Graph, edge: EdgeIndex, end: NodeIndex) -> Vec<Span>
     places
 }
 
-/// Whether every path from the source of an edge to the named item `end` passes through the right side of a `->`.
+/// Whether an edge begins at a state of an automaton.
+fn starts_at_state(net: &Net, graph: &Graph, edge: EdgeIndex) -> bool {
+    matches!(item(graph, edge), Some(Item::Fragment(id)) if is_state(net.fragment(id)))
+}
+
+/// Returns whether every path from the source of an edge to the vertex `end` without other named flows passes through
+/// the right side of a `->`.
 fn has_first(net: &Net, graph: &Graph, edge: EdgeIndex, end: NodeIndex) -> bool {
     let Some((from, _)) = graph.edge_endpoints(edge) else {
         return false;
@@ -230,7 +263,7 @@ fn has_first(net: &Net, graph: &Graph, edge: EdgeIndex, end: NodeIndex) -> bool 
     !ways.any(|edge| leads_along(net, graph, (edge.target(), end), always))
 }
 
-/// Whether a reader uses its source in all cycles but the first: the right side of a `->`.
+/// Returns whether a reader uses its source in all cycles but the first, as the right side of a `->` does.
 fn is_after_first(net: &Net, reader: Reader) -> bool {
     let Reader::Input(id, port) = reader else {
         return false;
@@ -245,12 +278,13 @@ fn is_after_first(net: &Net, reader: Reader) -> bool {
     }
 }
 
-/// Whether a path without other named items leads from `start` to the named item `end`.
+/// Returns whether a path from the vertex `start` leads to the vertex `end` without passing through other named flows.
 fn leads_to(net: &Net, graph: &Graph, start: NodeIndex, end: NodeIndex) -> bool {
     leads_along(net, graph, (start, end), |_| true)
 }
 
-/// Like [`leads_to`], restricted to the edges that `along` accepts.
+/// Returns whether a path along edges that `along` accepts leads from the vertex `start` to the vertex `end` without
+/// passing through other named flows.
 fn leads_along(
     net: &Net,
     graph: &Graph,
@@ -285,7 +319,7 @@ fn item_name<'n>(net: &'n Net, item: Option<&Item>) -> Option<&'n str> {
     origin.flow.as_deref()
 }
 
-/// Source name of the flow at which an edge begins.
+/// Returns the name, in the program, of the flow at which an edge begins; `None` if it has none.
 fn flow_name<'n>(net: &'n Net, graph: &Graph, edge: EdgeIndex) -> Option<&'n str> {
     item_name(net, item(graph, edge).as_ref())
 }
@@ -301,7 +335,7 @@ fn name(net: &Net, graph: &Graph, edge: EdgeIndex, source: PortRef) -> String {
     }
 }
 
-/// Item at which an edge begins.
+/// Returns the node or fragment at which an edge begins.
 fn item(graph: &Graph, edge: EdgeIndex) -> Option<Item> {
     let (from, _) = graph.edge_endpoints(edge)?;
     graph.node_weight(from).copied()
@@ -316,24 +350,27 @@ fn span(net: &Net, reader: Reader) -> Span {
     }
 }
 
-/// Locations of the fragments that are not always active, and whether each is a state of an automaton.
+/// Returns the locations of the fragments that are not always active, each with whether the fragment is a state of an
+/// automaton.
 fn activated(net: &Net) -> BTreeMap<Span, bool> {
     let fragments = net.fragments.iter().skip(1);
     let sometimes = fragments.filter(|f| f.activation != Activation::Always && !f.is_clock);
     sometimes.map(|f| (f.origin.span, is_state(f))).collect()
 }
 
-/// Whether a fragment is a state of an automaton, or is activated and restarted like one.
+/// Returns whether a fragment is a state of an automaton, or is activated and restarted in the same way.
 fn is_state(fragment: &Fragment) -> bool {
     fragment.activation != Activation::Always && matches!(fragment.restart, Restart::Every(_))
 }
 
-/// Whether the net was compiled from a program, in which flows have names.
+/// Returns whether the net was compiled from a program. Only then do flows have names.
 fn is_program(net: &Net) -> bool {
     net.nodes.iter().any(|n| n.origin.flow.is_some())
 }
 
-/// Fix that inserts a `pre` before the expression that reads; `None` if that would not be valid.
+/// Returns a fix that inserts a `pre` before the reads of a step; `None` if a `pre` would not be valid there.
+/// `activated` are the locations of fragments that are not always active, each with whether it is a state of an
+/// automaton.
 fn fix(net: &Net, step: &Step, activated: &BTreeMap<Span, bool>) -> Option<Fix> {
     let Reader::Input(id, _) = step.reader else {
         return None;
@@ -358,7 +395,8 @@ fn fix(net: &Net, step: &Step, activated: &BTreeMap<Span, bool>) -> Option<Fix> 
     ))
 }
 
-/// Fix that reads the value of the previous cycle, with a first value if one is given.
+/// Returns a fix that delays the reads of the flow `from` by `to` at `places` by one cycle. `first` is the value in the
+/// first cycle, if one is needed.
 fn delay_fix(from: &str, to: &str, places: &[Span], first: Option<&str>) -> Fix {
     let (before, after) = match first {
         Some(first) => (format!("({first} -> pre ("), "))"),
@@ -371,7 +409,8 @@ fn delay_fix(from: &str, to: &str, places: &[Span], first: Option<&str>) -> Fix 
     })
 }
 
-/// Literal for the first value of a delay of a node's output; `None` for types without an obvious one.
+/// Returns the literal for the first value of a delayed output of a node, such as `0`; `None` for types without an
+/// obvious one.
 fn first_value(net: &Net, id: NodeId) -> Option<&'static str> {
     match net.node(id).outputs.first()? {
         Type::Scalar(Scalar::Bool) => Some("false"),

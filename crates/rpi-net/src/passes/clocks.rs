@@ -16,11 +16,12 @@ use rpi_image::Role;
 use std::cmp::Reverse;
 use std::collections::{BTreeMap, BTreeSet, BinaryHeap};
 
-/// Items that run between entering and leaving a fragment, in order. A fragment in the list is entered there once more.
+/// Nodes and fragments that are evaluated, in order, from the entry into a fragment to leaving it. A fragment in the
+/// list is entered once more at that point.
 pub(super) type ClockRun = Vec<Item>;
 
-/// Schedules a fragment together with the clock fragments in it. Returns the runs of each; `None` if there is a
-/// dependency cycle.
+/// Schedules the fragment `level` and the clock fragments in it, which group the operations of one clock. Returns the
+/// runs of each; `None` if there is a dependency cycle.
 pub(super) fn runs(
     net: &Net,
     dependencies: &Dependencies,
@@ -32,16 +33,17 @@ pub(super) fn runs(
     (order.remaining == 0).then_some(order.runs)
 }
 
-/// Scheduling state of one clock, or of the enclosing fragment that is being scheduled.
+/// Scheduling state of one clock fragment, or of the enclosing fragment.
 #[derive(Default)]
 struct ClockState {
-    /// Operations whose inputs have all been scheduled.
+    /// Vertices of nodes and fragments in the clock whose inputs have all been scheduled.
     ready: BinaryHeap<Reverse<NodeIndex>>,
-    /// Number of ready operations in this clock and the clocks inside it.
+    /// Number of ready vertices in this clock and the clocks inside it.
     ready_within: usize,
-    /// Number of edges from outside into this clock that are not satisfied yet.
+    /// Number of edges from outside into this clock whose source has not been scheduled.
     waiting: usize,
-    /// Direct child clocks with ready operations. Those without outside dependencies come first.
+    /// Child clocks with ready vertices. Each has a flag for whether it still waits for sources outside; those that do
+    /// not come first.
     next: BTreeSet<(bool, FragmentId)>,
 }
 
@@ -50,15 +52,16 @@ struct ClockScheduler<'a> {
     graph: &'a Graph,
     level: FragmentId,
     clocks: BTreeMap<FragmentId, ClockState>,
-    /// For each vertex, the number of edges that are not satisfied yet.
+    /// For each vertex, the number of incoming edges whose source has not been scheduled.
     waiting: Vec<usize>,
-    /// For each vertex, whether it is scheduled right before its first reader, to avoid an extra entry of its clock.
+    /// For each vertex, whether it is scheduled directly before its first reader, to avoid an extra entry into its
+    /// clock.
     deferred: Vec<bool>,
     /// For each vertex, whether it has been scheduled.
     done: Vec<bool>,
     /// Number of vertices that have not been scheduled.
     remaining: usize,
-    /// Stack of the clocks that have been entered, each with the items of its current run.
+    /// Stack of the clocks that have been entered and not left, each with the content of its current run.
     open: Vec<(FragmentId, ClockRun)>,
     runs: Vec<(FragmentId, ClockRun)>,
 }
@@ -98,7 +101,7 @@ impl<'a> ClockScheduler<'a> {
         order
     }
 
-    /// Fragment that directly contains the item of a vertex.
+    /// Returns the fragment that directly contains the node or fragment of a vertex.
     fn fragment_of(&self, v: NodeIndex) -> FragmentId {
         match self.graph[v] {
             Item::Node(id) => self.net.node(id).fragment,
@@ -106,13 +109,14 @@ impl<'a> ClockScheduler<'a> {
         }
     }
 
-    /// Clocks from a fragment outwards, up to but not including the fragment that is being scheduled.
+    /// Returns the clocks from a fragment outwards, up to but not including the fragment that is being scheduled.
     fn outwards(&self, from: FragmentId) -> impl Iterator<Item = FragmentId> + use<'a> {
         let level = self.level;
         self.net.ancestors(from).take_while(move |f| *f != level)
     }
 
-    /// Clocks that contain the vertex `to` but not the vertex `from`: those entered to run `to` after `from`.
+    /// Returns the clocks that contain the vertex `to` but not the vertex `from`. They are entered to evaluate `to`
+    /// after `from`.
     fn entered(&self, from: NodeIndex, to: NodeIndex) -> Vec<FragmentId> {
         let (from, to) = (self.fragment_of(from), self.fragment_of(to));
         if from == to {
@@ -123,8 +127,8 @@ impl<'a> ClockScheduler<'a> {
         clocks.filter(|clock| !around.contains(clock)).collect()
     }
 
-    /// Whether a vertex depends on nothing but its clock and is read only in that clock, so that it can be deferred to
-    /// its first reader.
+    /// Returns whether a vertex depends on nothing but its clock and is read only by nodes in that clock. It can then
+    /// be scheduled directly before its first reader.
     fn is_carried(&self, v: NodeIndex) -> bool {
         let Item::Node(id) = self.graph[v] else {
             return false;
@@ -158,7 +162,7 @@ impl<'a> ClockScheduler<'a> {
         self.add_ready(home, 1);
     }
 
-    /// Adds `change` to the number of ready operations of a clock and of the clocks around it.
+    /// Adds `change` to the number of ready vertices of the clock `home` and of the clocks around it.
     fn add_ready(&mut self, home: FragmentId, change: isize) {
         let around: Vec<FragmentId> = self.outwards(home).collect();
         for clock in around {
@@ -168,7 +172,7 @@ impl<'a> ClockScheduler<'a> {
         }
     }
 
-    /// Updates a clock in the candidate list of its parent, from which the next clock to enter is chosen.
+    /// Updates a clock in the list of its parent from which the next clock to enter is chosen.
     fn update_candidate(&mut self, id: FragmentId) {
         let Some(clock) = self.clocks.get(&id) else {
             return;
@@ -183,7 +187,7 @@ impl<'a> ClockScheduler<'a> {
         }
     }
 
-    /// Marks a vertex as done: decrements the open dependencies of its readers.
+    /// Counts a vertex as scheduled for its readers, and makes those ready that wait for no other vertex.
     fn release(&mut self, v: NodeIndex) {
         let graph = self.graph;
         for edge in graph.edges(v) {
@@ -219,7 +223,7 @@ impl<'a> ClockScheduler<'a> {
         }
     }
 
-    /// Schedules a vertex after the vertices that were deferred to it.
+    /// Schedules the deferred vertices that `v` reads, then `v` itself.
     fn schedule_with_deferred(&mut self, v: NodeIndex) {
         let mut carried: Vec<NodeIndex> = self
             .graph
@@ -243,7 +247,7 @@ impl<'a> ClockScheduler<'a> {
         }
     }
 
-    /// Ends the current run and returns to the enclosing clock.
+    /// Ends the current run of the innermost clock and returns to the enclosing one.
     fn leave(&mut self) {
         let Some((at, run)) = self.open.pop() else {
             return;
@@ -257,7 +261,7 @@ impl<'a> ClockScheduler<'a> {
         self.schedule_deferred();
     }
 
-    /// Schedules the deferred vertices that no vertex in this cycle reads, at the end of their clocks.
+    /// Schedules the deferred vertices without a reader in the same cycle, at the end of their clocks.
     fn schedule_deferred(&mut self) {
         let rest = |v: &NodeIndex| self.deferred[v.index()] && !self.done[v.index()];
         let rest: Vec<NodeIndex> = self.graph.node_indices().filter(rest).collect();
@@ -272,7 +276,7 @@ impl<'a> ClockScheduler<'a> {
         }
     }
 
-    /// Index of the last run of a fragment. Enters the fragment at the end if it has no run.
+    /// Returns the index in `runs` of the last run of a fragment. If it has none, enters the fragment at the end.
     fn last_run(&mut self, fragment: FragmentId) -> usize {
         let mut path = Vec::new();
         let mut at = fragment;

@@ -8,18 +8,19 @@ use crate::prim;
 use rpi_image::{CommandFlow, Role, Value};
 use std::collections::BTreeSet;
 
-/// Boolean flow decomposed into literals: it is true exactly if all of them hold.
+/// Boolean flow as a conjunction: it is true exactly if all these flows have their required values.
 #[derive(Clone, PartialEq, Eq, PartialOrd, Ord, Default, Debug)]
 pub struct Conjunction {
-    /// Required value of the cancel request: `Some(true)` if the command must have been cancelled, `None` if it does
-    /// not matter.
+    /// Required value of the cancel request: `Some(true)` if the command must have been cancelled, `None` if the
+    /// request does not matter.
     pub cancelled: Option<bool>,
-    /// Other flows with the value that each must have.
+    /// Other Boolean flows, each with its required value.
     pub flows: BTreeSet<(PortRef, bool)>,
 }
 
 impl Conjunction {
-    /// Returns the literals of a Boolean flow; `None` if it can never be true.
+    /// Decomposes a Boolean flow into the conditions whose conjunction (`and`) it is; `None` if the flow can never be
+    /// true.
     #[must_use]
     pub fn from_flow(net: &Net, flow: &Input) -> Option<Conjunction> {
         let mut found = Conjunction::default();
@@ -57,17 +58,17 @@ impl Conjunction {
     }
 }
 
-/// Contribution of a node's output to a conjunction.
+/// Contribution of a node to a conjunction that requires a value of its output.
 enum Part<'a> {
     /// The output always has the required value.
     Always,
     /// The output never has the required value.
     Never,
-    /// The output has the required value exactly if all inputs have this value.
+    /// The output has the required value exactly if all these inputs have the given value.
     AllInputs(&'a [Input], bool),
     /// The output is the cancel request of the command.
     Cancelled,
-    /// The output is a literal of the conjunction.
+    /// The output is a literal of the conjunction, as it cannot be decomposed further.
     Literal,
 }
 

@@ -8,8 +8,10 @@ use rpi_diag::{Code, Diagnostic, Span};
 use rpi_image::Role;
 use std::collections::BTreeMap;
 
-/// Returns a warning for each group of named flows that no flow outside the group reads. `live` and `used` are as in
-/// [`live`].
+/// Returns a warning for each group of named flows that only the flows of the group read.
+///
+/// For each node, `live` is whether a result, an export or an effect depends on it; `used` is whether it is live, read
+/// by another node or a port of a fragment.
 pub(super) fn check(net: &Net, live: &[bool], used: &[bool]) -> Vec<Diagnostic> {
     let may_be = |at: usize| used[at] && !live[at];
     if !(0..net.nodes.len()).any(may_be) {
@@ -37,21 +39,25 @@ pub(super) fn check(net: &Net, live: &[bool], used: &[bool]) -> Vec<Diagnostic> 
         .collect()
 }
 
-/// Source flow that a node computes; `None` if its name begins with `_`, which marks it as intended.
+/// Returns the location and name of the flow that a node computes; `None` without a name, or if the name begins with
+/// `_`, which suppresses the warning.
 fn flow(net: &Net, id: NodeId) -> Option<(Span, &str)> {
     let origin = &net.node(id).origin;
     let name = origin.flow.as_deref()?;
     (!origin.span.is_none() && !name.starts_with('_')).then_some((origin.span, name))
 }
 
-/// Whether a node computes a flow whose name begins with `_`. Its inputs are intended as well.
+/// Returns whether a node computes a flow whose name begins with `_`, which suppresses warnings about the flow and its
+/// sources.
 fn is_intended(net: &Net, id: NodeId) -> bool {
     let flow = net.node(id).origin.flow.as_deref();
     flow.is_some_and(|name| name.starts_with('_'))
 }
 
-/// For each node, whether it is dead state: it is read, but no path leads from it to an unread flow, an intended flow
-/// or an effect.
+/// Returns for each node whether it is dead state: other nodes read it, but no path leads from it to a result, an
+/// effect, an unread flow or a flow whose name begins with `_`.
+///
+/// The parameters are those of [`check`].
 fn dead_state(net: &Net, live: &[bool], used: &[bool]) -> Vec<bool> {
     // Constants and `first` have no inputs and are shared; they must not connect groups.
     let may_be = net.nodes.iter().zip(live);
@@ -76,8 +82,8 @@ fn sources(net: &Net, id: NodeId) -> impl Iterator<Item = NodeId> + '_ {
     ports.map(|port| port.node)
 }
 
-/// Connected components of the nodes in dead state. A group without a delay is left out, since it is reported as a
-/// dependency cycle.
+/// Returns the connected groups of nodes with dead state (`idle`). A group without a delay is left out, since it is
+/// reported as a dependency cycle.
 fn groups(net: &Net, idle: &[bool]) -> Vec<Vec<NodeId>> {
     let mut joined: UnionFind<u32> = UnionFind::new(idle.len());
     let members = || net.node_ids().filter(|id| idle[id.index()]);
@@ -98,7 +104,7 @@ fn groups(net: &Net, idle: &[bool]) -> Vec<Vec<NodeId>> {
     groups.into_values().collect()
 }
 
-/// Maximal number of flows that one diagnostic names.
+/// Maximum number of flows that one diagnostic names, so that the message stays readable.
 const SHOWN: usize = 8;
 
 fn diagnostic(places: &[Span], names: &[&str]) -> Diagnostic {

@@ -13,40 +13,40 @@ use crate::net::{Activation, FragmentId, Input, Net, NodeId, PortRef, Restart};
 use petgraph::graph::{DiGraph, NodeIndex};
 use rpi_image::{Role, Value};
 
-/// Reader of a flow: an in-port, or a condition of a fragment.
+/// Reader of a flow: an in-port of a node or fragment, or a condition of a fragment.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub enum Reader {
-    /// In-port of a node, by index.
+    /// In-port of a node, with its index.
     Input(NodeId, u32),
-    /// Activation condition of a fragment.
+    /// Condition that decides in each cycle whether the fragment is active.
     Activation(FragmentId),
-    /// Restart condition of a fragment.
+    /// Condition under which the fragment restarts with its initial state.
     Restart(FragmentId),
-    /// Declared in-port of a fragment, by index.
+    /// Declared in-port of a fragment, with its index.
     InPort(FragmentId, u32),
 }
 
-/// Dependence of one item on another: the label of an edge.
+/// Label of an edge in a dependency graph: one node or fragment depends on another because it reads a flow.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub struct Dependency {
-    /// Flow that is read.
+    /// Out-port whose flow is read.
     pub source: PortRef,
-    /// Reader of the flow.
+    /// In-port or condition that reads the flow.
     pub reader: Reader,
 }
 
-/// Dependency graphs of all fragments of a net. Edges run from source to reader.
+/// Dependency graphs of all fragments of a net. Each edge leads from the source of a flow to its reader.
 #[derive(Clone, Debug)]
 pub struct Dependencies {
     graphs: Vec<Graph>,
     is_clock: Vec<bool>,
 }
 
-/// Dependency graph of a fragment. Vertices are numbered in declaration order.
+/// Dependency graph of a fragment. Its vertices are nodes and child fragments, in declaration order.
 pub(crate) type Graph = DiGraph<Item, Dependency>;
 
 impl Dependencies {
-    /// Builds the graphs of a net.
+    /// Builds the dependency graphs of a net.
     #[must_use]
     pub fn new(net: &Net, tree: &FragmentTree) -> Self {
         let mut builder = Builder::new(net, tree);
@@ -60,7 +60,7 @@ impl Dependencies {
         }
     }
 
-    /// Empty placeholder without graphs.
+    /// Creates an empty placeholder without graphs.
     pub(crate) fn empty() -> Self {
         Dependencies {
             graphs: Vec::new(),
@@ -72,18 +72,18 @@ impl Dependencies {
         &self.graphs[fragment.index()]
     }
 
-    /// Whether a fragment only groups operations of one clock.
+    /// Returns whether a fragment only groups the operations of one clock. Such a fragment has no graph of its own.
     pub(crate) fn is_clock(&self, fragment: FragmentId) -> bool {
         self.is_clock[fragment.index()]
     }
 
-    /// All fragment indices.
+    /// Returns all fragment indices in ascending order.
     pub(crate) fn fragments(&self) -> impl Iterator<Item = FragmentId> + use<> {
         (0..u32::try_from(self.graphs.len()).unwrap_or(u32::MAX)).map(FragmentId)
     }
 }
 
-/// All reads that affect the order: the reader, the fragment that contains it, and the flow.
+/// Returns all reads that affect the order of evaluation: the reader, the fragment that contains it, and the flow.
 fn reads(net: &Net) -> impl Iterator<Item = (Reader, FragmentId, PortRef)> + '_ {
     let nodes = net.node_ids().flat_map(move |id| {
         let node = net.node(id);
@@ -140,7 +140,7 @@ impl<'a> Builder<'a> {
         builder
     }
 
-    /// Adds the graph of a fragment with its vertices in declaration order.
+    /// Adds the graph of a fragment with its vertices, and without edges.
     fn add_vertices(&mut self, fragment: FragmentId) {
         if self.net.fragment(fragment).is_clock {
             return self.graphs.push(Graph::new());
@@ -157,7 +157,7 @@ impl<'a> Builder<'a> {
         self.graphs.push(graph);
     }
 
-    /// Makes all contents of a clock fragment depend on the clock.
+    /// Adds edges that make all contents of a clock fragment depend on the condition of the clock.
     fn connect_clock(&mut self, clock: FragmentId) {
         let Activation::When { condition, .. } = self.net.fragment(clock).activation else {
             return;
@@ -175,21 +175,23 @@ impl<'a> Builder<'a> {
         }
     }
 
-    /// Innermost fragment that is or encloses `fragment` and has a dependency graph of its own; clock fragments have
-    /// none.
+    /// Returns the innermost fragment that is or encloses `fragment` and has a dependency graph of its own. Fragments
+    /// that only group the operations of a clock have none.
     fn level(&self, fragment: FragmentId) -> FragmentId {
         let mut around = self.net.ancestors(fragment);
         let level = around.find(|around| !self.net.fragment(*around).is_clock);
         level.unwrap_or(FragmentId::ROOT)
     }
 
-    /// Fragment that represents `inner` in the graph of `level`: the outermost one below it that is not a clock.
+    /// Returns the fragment that is the vertex of `inner` in the graph of `level`: the outermost fragment around
+    /// `inner` and below `level` that is not a clock. `None` if all fragments between them are clocks.
     fn child_towards(&self, level: FragmentId, inner: FragmentId) -> Option<FragmentId> {
         let below = self.tree.between(inner, level);
         below.filter(|f| !self.net.fragment(*f).is_clock).last()
     }
 
-    /// Adds the edge of one read to the graph of the innermost fragment that encloses both ends.
+    /// Adds the edge of one read to the graph of the innermost fragment that encloses source and reader. `place` is the
+    /// fragment that contains the reader.
     fn connect(&mut self, reader: Reader, place: FragmentId, source: PortRef) {
         let origin = self.net.node(source.node).fragment;
         let level = self.level(self.tree.common_ancestor(place, origin));
@@ -203,8 +205,8 @@ impl<'a> Builder<'a> {
         self.graphs[level.index()].add_edge(from, to, Dependency { source, reader });
     }
 
-    /// Vertex in the graph of `level` that must wait for the flow because of this reader; `None` for a delay, which
-    /// waits for nothing.
+    /// Returns the vertex in the graph of `level` that must wait for the flow because of the reader; `None` for a
+    /// delay, which waits for nothing. `place` is the fragment that contains the reader.
     fn reading_vertex(
         &self,
         reader: Reader,
@@ -225,13 +227,13 @@ impl<'a> Builder<'a> {
 }
 
 impl Input {
-    /// Creates an in-port that reads a constant.
+    /// Creates a source with a constant value.
     #[must_use]
     pub fn constant(value: Value) -> Input {
         Input::Const(Box::new(value))
     }
 
-    /// Flow that is read; `None` for a constant or an unconnected in-port.
+    /// Returns the out-port that is read; `None` for a constant or an unconnected in-port.
     #[must_use]
     pub fn port(&self) -> Option<PortRef> {
         match self {

@@ -6,28 +6,30 @@ use petgraph::visit::EdgeRef;
 use std::cell::RefCell;
 use std::collections::VecDeque;
 
-/// Bound on the work of a search for the shortest cycle: the number of start vertices times the size of the component.
+/// Limit on the work of a search for the shortest cycle of a component: number of start vertices times size of the
+/// component.
 const SEARCH_BUDGET: usize = 1_000_000;
 
-/// Strongly connected components in which every vertex depends on itself.
+/// Strongly connected components of a graph that contain a cycle, so that each of their vertices depends on itself.
 #[derive(Debug)]
 pub struct CyclicComponents<'g, N, E> {
     graph: &'g DiGraph<N, E>,
-    /// Components, with vertices in declaration order, sorted by the first vertex.
+    /// Vertices of each component in ascending order. The components are sorted by their first vertex.
     pub components: Vec<Vec<NodeIndex>>,
-    /// For each vertex, the index of its component, if it is in one.
+    /// For each vertex, the index of its component; `None` if it lies on no cycle.
     component_of: Vec<Option<usize>>,
     search: RefCell<Search>,
 }
 
-/// State of a breadth-first search. It is reused, as a large net may need one search per dependency cycle.
+/// State of a breadth-first search. It is used again for each search, as a large net may need one search per dependency
+/// cycle.
 #[derive(Debug)]
 struct Search {
-    /// For each vertex, the number of the last search that reached it, and the edge used.
+    /// For each vertex, the number of the last search that reached it, and the edge by which it was reached.
     reached: Vec<(usize, EdgeIndex)>,
-    /// Number of the current search.
+    /// Number of the current search, counted from 1.
     number: usize,
-    /// Vertices to visit, each with its distance from the start.
+    /// Vertices to visit, each with its distance from the start in edges.
     queue: VecDeque<(NodeIndex, usize)>,
 }
 
@@ -46,7 +48,7 @@ impl Search {
         self.queue.push_back((start, 0));
     }
 
-    /// Edge by which the current search has reached a vertex.
+    /// Returns the edge by which the current search has reached a vertex; `None` if it has not.
     fn edge_to(&self, v: NodeIndex) -> Option<EdgeIndex> {
         let (search, edge) = self.reached[v.index()];
         (search == self.number).then_some(edge)
@@ -80,7 +82,7 @@ impl<'g, N, E> CyclicComponents<'g, N, E> {
         }
     }
 
-    /// Edges that lie on dependency cycles, in the order of their insertion.
+    /// Returns the edges that lie on cycles of the graph, in the order of their insertion.
     pub fn edges(&self) -> impl Iterator<Item = EdgeIndex> + '_ {
         let inside = |a: NodeIndex, b: NodeIndex| {
             let component = self.component_of[a.index()];
@@ -92,9 +94,10 @@ impl<'g, N, E> CyclicComponents<'g, N, E> {
             .map(|e| e.id())
     }
 
-    /// Returns the edges of the shortest dependency cycle in a component, in order. Among equally short ones, the one
-    /// through the vertex declared first is returned. In a very large component the search ends early with the shortest
-    /// cycle found so far.
+    /// Returns the edges of the shortest cycle in the component with this index, in order. Among equally short cycles,
+    /// the one through the first vertex is returned.
+    ///
+    /// In a very large component the search ends early with the shortest cycle found so far.
     #[must_use]
     pub fn shortest_cycle(&self, component: usize) -> Vec<EdgeIndex> {
         let mut best: Vec<EdgeIndex> = Vec::new();
@@ -115,7 +118,8 @@ impl<'g, N, E> CyclicComponents<'g, N, E> {
         best
     }
 
-    /// Shortest cycle through a vertex, if it has fewer than `limit` edges, by breadth-first search.
+    /// Returns the edges of the shortest cycle through a vertex, found by breadth-first search; `None` if it has
+    /// `limit` or more edges.
     fn shortest_cycle_through(&self, start: NodeIndex, limit: usize) -> Option<Vec<EdgeIndex>> {
         let mut search = self.search.borrow_mut();
         search.begin(start);

@@ -14,8 +14,10 @@ use petgraph::visit::EdgeRef;
 use rpi_image::Role;
 use std::collections::{BTreeMap, BTreeSet};
 
-/// Hoists delays of an imported net out of fragments where that breaks a dependency cycle. Returns the number of added
-/// delays. `dependencies` are those of the unchanged net.
+/// Adds copies of delays outside of their fragments in an imported net where that breaks a dependency cycle. Returns
+/// the number of added delays.
+///
+/// `dependencies` are those of the unchanged net.
 pub fn hoist_delays(net: &mut Net, dependencies: &Dependencies) -> usize {
     if !matches!(net.termination, Termination::Ports { .. }) {
         return 0;
@@ -34,8 +36,8 @@ pub fn hoist_delays(net: &mut Net, dependencies: &Dependencies) -> usize {
     added
 }
 
-/// Delays inside child fragments whose readers close a dependency cycle at this level, with all their readers at this
-/// level.
+/// Returns the delays inside child fragments whose readers close a dependency cycle in the graph of a fragment, each
+/// with all its readers in that graph.
 fn delays_to_hoist(net: &Net, graph: &Graph) -> BTreeMap<PortRef, Vec<Reader>> {
     let is_delay = |d: &Dependency| net.node(d.source.node).desc().role == Role::Delay;
     let from_inside = |v| matches!(graph[v], Item::Fragment(f) if !net.fragment(f).is_clock);
@@ -63,7 +65,8 @@ fn delays_to_hoist(net: &Net, graph: &Graph) -> BTreeMap<PortRef, Vec<Reader>> {
     readings
 }
 
-/// Adds a copy of the delay `port` at `level`. It reads the same flow as the inner delay.
+/// Adds a copy of the delay `port` to the fragment `level` and returns its out-port. The copy reads the same flow as
+/// the original.
 fn copy_outside(net: &mut Net, level: FragmentId, port: PortRef) -> PortRef {
     let inside = net.node(port.node);
     let node = Node {
@@ -92,7 +95,7 @@ fn redirect(net: &mut Net, reader: Reader, to: PortRef) {
     }
 }
 
-/// Returns an unused name in a fragment: `preferred`, with a number appended if necessary.
+/// Returns a name that is not used in the fragment `level`: `preferred`, with a number appended if necessary.
 fn free_name(net: &Net, level: FragmentId, preferred: &str) -> String {
     let nodes = net
         .nodes

@@ -3,7 +3,7 @@
 use crate::net::{Activation, FragmentId, Input, Net, NodeId, Restart, Termination};
 use rpi_image::{PrimDesc, Role};
 
-/// For each node, whether a result, an export or an effect depends on it.
+/// Returns for each node whether it is live: a result, an export or an effect depends on it.
 #[must_use]
 pub fn mark_live(net: &Net) -> Vec<bool> {
     let mut search = Search::new(net);
@@ -21,7 +21,7 @@ pub fn mark_live(net: &Net) -> Vec<bool> {
     search.live
 }
 
-/// State of the search for live nodes.
+/// State of the search for live nodes, which a result, an export or an effect depends on.
 struct Search<'n> {
     net: &'n Net,
     live: Vec<bool>,
@@ -50,7 +50,7 @@ impl<'n> Search<'n> {
         }
     }
 
-    /// Marks the nodes that a live node depends on.
+    /// Marks the nodes whose values a live node reads, and the conditions of the fragments around it.
     fn follow(&mut self, id: NodeId) {
         let net = self.net;
         let node = net.node(id);
@@ -67,13 +67,13 @@ impl<'n> Search<'n> {
     }
 }
 
-/// Whether a primitive is used for its effect rather than a value.
+/// Returns whether a primitive is used for its effect, such as driving an actuator, instead of its value.
 #[must_use]
 pub fn has_effect(desc: &PrimDesc) -> bool {
     matches!(desc.role, Role::Actuator(_) | Role::Export) || desc.outputs.is_empty()
 }
 
-/// Nodes with an effect outside, and the sources of the command's results and exports.
+/// Returns the nodes with an effect outside of the net, and the sources of the command's results and exports.
 fn effects(net: &Net) -> impl Iterator<Item = NodeId> + '_ {
     let acting = net.node_ids().filter(|id| has_effect(net.node(*id).desc()));
     let ends: Vec<&Input> = match &net.termination {
@@ -99,7 +99,7 @@ fn conditions(net: &Net, id: FragmentId) -> impl Iterator<Item = NodeId> {
     activation.into_iter().chain(restart)
 }
 
-/// Nodes that are sources of fragment ports.
+/// Returns the nodes that are sources of ports of fragments.
 pub(super) fn port_sources(net: &Net) -> impl Iterator<Item = NodeId> + '_ {
     let ports = net.fragments.iter();
     let ports = ports.flat_map(|f| f.inputs.iter().chain(&f.outputs));

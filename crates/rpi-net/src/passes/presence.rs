@@ -13,30 +13,30 @@ use rpi_image::{Presence, Role};
 use smallvec::SmallVec;
 use std::ops::BitOr;
 
-/// Fragments that may be inactive while a reader is active, between a flow and that reader. Usually few.
+/// Fragments, between a flow and its reader, that may be inactive while the reader is active. There are usually few.
 type Gates = SmallVec<[FragmentId; 4]>;
 
-/// Presence of a flow, given that its fragment is active.
+/// Presence of a flow in the cycles in which its fragment is active.
 #[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Debug)]
 pub enum FlowPresence {
-    /// Present in every cycle.
+    /// The flow has a value in every cycle in which its fragment is active.
     Total,
-    /// May be present or absent.
+    /// The flow may have a value in some of the cycles in which its fragment is active, and none in others.
     Optional,
-    /// Absent in every cycle.
+    /// The flow never has a value.
     Never,
 }
 
-/// Presence of a flow as seen by one of its readers.
+/// Presence of a flow for one of its readers.
 #[derive(Clone, PartialEq, Eq, Debug)]
 pub struct View {
-    /// Presence of the flow within its own fragment.
+    /// Presence of the flow in the cycles in which its own fragment is active.
     pub own: FlowPresence,
     /// Fragments around the flow that may be inactive while the reader is active, innermost first.
     pub through: Vec<FragmentId>,
 }
 
-/// Presence of every flow of a net.
+/// Presence of every flow of a net: whether it has a value in every, some or no cycle in which its fragment is active.
 #[derive(Clone, PartialEq, Eq, Debug)]
 pub struct Presences {
     /// Index of each node's first port in `states`.
@@ -46,8 +46,10 @@ pub struct Presences {
 }
 
 impl Presences {
-    /// Infers the presence of every flow. Ports that `forced` selects count as optional regardless of their rule, since
-    /// a replay may force an absent value on them. A schedule, if there is one, makes the iteration converge faster.
+    /// Infers the presence of every flow.
+    ///
+    /// Out-ports that `forced` selects count as optional, whatever their presence rule, since a replay may force an
+    /// absent value on them. A schedule, if there is one, makes the iteration converge faster.
     #[must_use]
     pub fn infer(
         net: &Net,
@@ -77,19 +79,20 @@ impl Presences {
         presences
     }
 
-    /// Presence of a flow in the cycles in which its own fragment is active.
+    /// Returns the presence of a flow in the cycles in which its own fragment is active.
     #[must_use]
     pub fn own(&self, port: PortRef) -> FlowPresence {
         self.states(port).sureness()
     }
 
-    /// Whether a fragment is active in every (`Total`), some or no cycle in which its parent is.
+    /// Returns whether a fragment is active in every (`Total`), some (`Optional`) or no (`Never`) cycle in which its
+    /// parent is.
     #[must_use]
     pub fn activity(&self, fragment: FragmentId) -> FlowPresence {
         self.activity[fragment.index()]
     }
 
-    /// Presence of a flow for readers in the fragment `reader`.
+    /// Returns the presence of a flow for readers in the fragment `reader`.
     #[must_use]
     pub fn view(&self, net: &Net, tree: &FragmentTree, reader: FragmentId, port: PortRef) -> View {
         let mut through = self.gates(net, tree, reader, port);
@@ -100,7 +103,7 @@ impl Presences {
         }
     }
 
-    /// Presence of an input's source for readers in the fragment `reader`.
+    /// Returns the presence of the source of an input for readers in the fragment `reader`.
     #[must_use]
     pub fn presence_at(
         &self,
@@ -112,12 +115,12 @@ impl Presences {
         self.states_at(net, tree, reader, input).sureness()
     }
 
-    /// Presence of all flows, node by node.
+    /// Returns the presence of each out-port in its own fragment, in the order of the nodes.
     pub fn iter(&self) -> impl Iterator<Item = FlowPresence> + '_ {
         self.states.iter().map(|s| s.sureness())
     }
 
-    /// Initial state, in which the presence of every flow is unknown.
+    /// Creates the initial state of the inference, in which the presence of every flow is unknown.
     pub(crate) fn unknown(net: &Net) -> Self {
         let mut first = Vec::with_capacity(net.nodes.len());
         let mut count = 0;
@@ -136,7 +139,7 @@ impl Presences {
         }
     }
 
-    /// Computes the presence of a node's ports again. Returns whether any of them changed.
+    /// Computes the presence of the out-ports of a node from that of its inputs. Returns whether any of them changed.
     fn update(
         &mut self,
         net: &Net,
@@ -201,7 +204,7 @@ impl Presences {
         }
     }
 
-    /// Fragments around a flow that may be inactive while `reader` is active, outermost first.
+    /// Returns the fragments around a flow that may be inactive while the fragment `reader` is active, outermost first.
     fn gates(&self, net: &Net, tree: &FragmentTree, reader: FragmentId, port: PortRef) -> Gates {
         let origin = net.node(port.node).fragment;
         let common = tree.common_ancestor(reader, origin);
@@ -219,10 +222,10 @@ impl Presences {
         gates
     }
 
-    /// Checks that the result is a fixed point of the presence rules.
+    /// Checks that the presence of every flow follows from that of its sources by the presence rules.
     ///
     /// # Errors
-    /// Returns the first flow that is not.
+    /// Returns the first node for which it does not.
     pub fn verify(&self, net: &Net, tree: &FragmentTree) -> Result<(), VerifyError> {
         let mut again = self.clone();
         for id in net.node_ids() {
@@ -245,15 +248,18 @@ impl Presences {
     }
 }
 
-/// Set of presence states that a flow may have.
+/// Set of presence states, "present" and "absent", that a flow may have in a cycle.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 struct States(u8);
 
 impl States {
-    /// Empty set: not inferred yet.
+    /// Empty set: the presence has not been inferred yet.
     const UNKNOWN: States = States(0);
+    /// Set with the state "present" only.
     const PRESENT: States = States(1);
+    /// Set with the state "absent" only.
     const ABSENT: States = States(2);
+    /// Set with both states: present in some cycles and absent in others.
     const EITHER: States = States(3);
 
     fn has(self, other: States) -> bool {
@@ -264,7 +270,8 @@ impl States {
         if holds { self } else { States::UNKNOWN }
     }
 
-    /// Presence at the end of the inference. An empty set means that the flow depends on itself.
+    /// Returns the presence that the set stands for at the end of the inference. An empty set, of a flow that depends
+    /// on itself, counts as optional.
     fn sureness(self) -> FlowPresence {
         match self {
             States::PRESENT => FlowPresence::Total,
@@ -281,13 +288,13 @@ impl BitOr for States {
     }
 }
 
-/// Presence of all inputs of a node together, as far as the presence rules need it.
+/// Presence states of all connected inputs of a node together, as far as the presence rules need them.
 struct InputStates {
-    /// States of the first connected input.
+    /// Possible presence of the first connected input.
     first: States,
-    /// Union of the states of all connected inputs.
+    /// Union of the state sets of all connected inputs.
     union: States,
-    /// Intersection of the states of all connected inputs.
+    /// Intersection of the state sets of all connected inputs.
     intersection: States,
     /// Whether some connected input is certainly present.
     any_present: bool,
@@ -316,8 +323,8 @@ impl InputStates {
         self.any_unknown |= states == States::UNKNOWN;
     }
 
-    /// Presence states of an out-port under its rule. Monotonic in the states of the inputs, so that a least fixed
-    /// point exists.
+    /// Returns the presence states of an out-port with the presence rule `rule`. The result grows with the states of
+    /// the inputs, so that a least fixed point exists.
     fn output(&self, rule: Presence) -> States {
         match rule {
             Presence::Always => States::PRESENT,
@@ -335,7 +342,8 @@ impl InputStates {
     }
 }
 
-/// Presence states of a delay's output: absent or present like its initial value, then like its input.
+/// Returns the presence states of a delay's output, which is absent or present like its initial value, then like its
+/// input.
 fn delayed(rule: Presence, input: States) -> States {
     match rule {
         Presence::Maybe => States::ABSENT | input,
@@ -343,8 +351,9 @@ fn delayed(rule: Presence, input: States) -> States {
     }
 }
 
-/// Whether `reader`, or a fragment around it below `common`, has the same activation as `gate`. Then `gate` is active
-/// whenever `reader` and `gate`'s parent are.
+/// Returns whether `reader`, or a fragment around it below `common`, has the same activation as `gate`.
+///
+/// If so, `gate` is active in every cycle in which both `reader` and the parent of `gate` are.
 fn same_activation(
     net: &Net,
     tree: &FragmentTree,
@@ -357,7 +366,8 @@ fn same_activation(
         .any(|f| net.fragment(f).activation == *activation)
 }
 
-/// Whether a fragment is active always, sometimes or never when its parent is, as far as its condition is constant.
+/// Returns whether a fragment with this activation is always, sometimes or never active in the cycles in which its
+/// parent is. Only a constant condition gives always or never.
 fn activity(net: &Net, activation: &Activation) -> FlowPresence {
     let Activation::When { condition, .. } = activation else {
         return FlowPresence::Total;

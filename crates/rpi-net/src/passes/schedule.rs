@@ -15,16 +15,16 @@ use smallvec::SmallVec;
 use std::cmp::Reverse;
 use std::collections::BinaryHeap;
 
-/// Order of evaluation of a net.
+/// Order in which the nodes of a net are evaluated in a cycle.
 #[derive(Clone, PartialEq, Eq, Debug)]
 pub struct Schedule {
-    /// Runs of each fragment, one for each time it is entered in a cycle. Only clock fragments are entered more than
-    /// once.
+    /// For each fragment, its content in order of evaluation for each entry in a cycle. Only fragments that group the
+    /// operations of a clock are entered more than once.
     runs: Vec<SmallVec<[Vec<Item>; 1]>>,
 }
 
 impl Schedule {
-    /// Returns the schedule; `None` if there is a dependency cycle, which the causality pass reports.
+    /// Computes the schedule; `None` if there is a dependency cycle, which the causality pass reports.
     #[must_use]
     pub fn new(net: &Net, dependencies: &Dependencies) -> Option<Self> {
         let mut runs = vec![SmallVec::new(); net.fragments.len()];
@@ -46,20 +46,22 @@ impl Schedule {
         Some(Schedule { runs })
     }
 
-    /// Items of a fragment in order of evaluation, when it is entered for the `time`-th time in a cycle (from 0).
+    /// Returns the content of a fragment in order of evaluation for one of its entries in a cycle. `time` counts the
+    /// entries from 0.
     #[must_use]
     pub fn run(&self, fragment: FragmentId, time: usize) -> &[Item] {
         let run = self.runs[fragment.index()].get(time);
         run.map_or(&[], Vec::as_slice)
     }
 
-    /// Number of times that a fragment is entered in a cycle.
+    /// Returns the number of times that a fragment is entered in a cycle.
     #[must_use]
     pub fn entry_count(&self, fragment: FragmentId) -> usize {
         self.runs[fragment.index()].len()
     }
 
-    /// All items in order of evaluation, each fragment before its contents, every time it is entered.
+    /// Returns all nodes and fragments in order of evaluation. A fragment comes before its contents, each time it is
+    /// entered.
     pub fn items(&self) -> impl Iterator<Item = Item> + '_ {
         let mut times = vec![0_usize; self.runs.len()];
         let mut open = vec![self.run(FragmentId::ROOT, 0).iter()];
@@ -78,7 +80,7 @@ impl Schedule {
         })
     }
 
-    /// All nodes in order of evaluation, including those in fragments.
+    /// Returns all nodes in order of evaluation, including those in inner fragments.
     pub fn nodes(&self) -> impl Iterator<Item = NodeId> + '_ {
         self.items().filter_map(|item| match item {
             Item::Node(id) => Some(id),
@@ -87,7 +89,8 @@ impl Schedule {
     }
 }
 
-/// Topological order by Kahn's algorithm (1962) with a heap over vertex numbers; `None` if the graph has a cycle.
+/// Returns the vertices in topological order, lower vertex numbers first where possible (Kahn 1962); `None` if the
+/// graph has a cycle.
 fn topological_order(graph: &Graph) -> Option<Vec<Item>> {
     let mut waiting: Vec<usize> = graph
         .node_indices()
@@ -111,10 +114,10 @@ fn topological_order(graph: &Graph) -> Option<Vec<Item>> {
     (order.len() == graph.node_count()).then_some(order)
 }
 
-/// Checks a schedule: each item occurs once in its fragment, after all items that it depends on.
+/// Checks that each node and fragment occurs once in the schedule, after all those that it depends on.
 ///
 /// # Errors
-/// Returns the first item that is missing, scheduled twice or too early.
+/// Returns the first node or fragment that is missing, scheduled twice or too early.
 pub fn verify(
     net: &Net,
     dependencies: &Dependencies,
@@ -158,7 +161,7 @@ pub fn verify(
     Ok(())
 }
 
-/// Position of each item in the order; `usize::MAX` if it has none.
+/// Position of each node and fragment in the order of evaluation; `usize::MAX` if it does not occur.
 struct Positions {
     nodes: Vec<usize>,
     fragments: Vec<usize>,
@@ -172,7 +175,7 @@ impl Positions {
         }
     }
 
-    /// Records the position of an item. Returns whether it is the first one.
+    /// Records the position `at` of a node or fragment. Returns false if it already had a position.
     fn record(&mut self, item: Item, at: usize) -> bool {
         let place = match item {
             Item::Node(n) => &mut self.nodes[n.index()],

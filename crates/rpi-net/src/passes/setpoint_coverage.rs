@@ -7,27 +7,27 @@ use super::Schedule;
 use super::fact_prover::{EffortBudget, Event, ProofContext, Prover};
 use super::model_check;
 use super::presence::FlowPresence;
-use super::writers::{Resource, Writers, are_alternatives, write_event};
+use super::writers::{Resource, Writers, are_alternatives, resource, write_event};
 use crate::net::{Activation, FragmentId, Input, Net, NodeId, PortRef, Termination};
 use rpi_diag::{Code, Diagnostic};
 use rpi_image::{Presence, Role};
 use std::collections::BTreeSet;
 
-/// Maximal number of actuators of a command for which the model checker is used.
+/// Maximum number of actuators per command for which the model checker is used. Bounds the compile time.
 const MAX_SOLVER_CALLS: usize = 8;
-/// Maximal number of reasons shown for one actuator.
+/// Maximum number of reasons that the diagnostic about one actuator shows, so that the message stays readable.
 const MAX_REASONS: usize = 4;
 
 /// Reason for which a set-point may be absent.
 #[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Debug)]
 enum Reason {
-    /// The fragment that computes the set-point is not always active.
+    /// The fragment that computes the set-point, or a flow that it depends on, is not always active.
     Inactive(FragmentId),
-    /// A flow that it depends on is absent in some cycles.
+    /// A flow on which the set-point depends is absent in some cycles.
     Absent(PortRef),
 }
 
-/// Actuator that may have no set-point, with the reasons.
+/// Actuator that may have no set-point in some cycle, with the reasons.
 #[derive(Debug)]
 pub(crate) struct MissingSetpoint {
     resource: Resource,
@@ -35,8 +35,8 @@ pub(crate) struct MissingSetpoint {
     reasons: BTreeSet<Reason>,
 }
 
-/// Returns the actuators of a program that may have no set-point in some cycle. Imported nets are not checked: there is
-/// no source to correct.
+/// Returns the actuators of a program that may have no set-point in some cycle. Imported nets are not checked, as there
+/// is no program text to correct.
 pub(crate) fn missing_setpoints(
     background: ProofContext<'_>,
     schedule: Option<&Schedule>,
@@ -83,17 +83,17 @@ pub(crate) fn missing_setpoints(
     gaps
 }
 
-/// Whether the set-points of a net are checked. Tests drive no actuators.
+/// Returns whether the set-points of a net are checked. Tests and imported nets are not checked.
 fn is_checked(net: &Net) -> bool {
     !net.is_test && matches!(net.termination, Termination::Results(_))
 }
 
-/// Whether two resources are the same port of a device, regardless of the index.
+/// Returns whether two resources are the same port of a device. The index among several equal ports is ignored.
 fn is_same_port(a: &Resource, b: &Resource) -> bool {
     a.device == b.device && a.port == b.port
 }
 
-/// Whether an event occurs in every cycle, as far as the presence analysis alone shows.
+/// Returns whether the presence analysis alone shows that an event occurs in every cycle.
 fn is_always(background: ProofContext<'_>, event: &Event) -> bool {
     let (gates, open) = background.obstacles(event);
     gates.is_empty() && open.is_empty()
@@ -125,7 +125,7 @@ fn reasons(background: ProofContext<'_>, writers: &[Event]) -> BTreeSet<Reason> 
     search.found
 }
 
-/// Search for the reasons for which a flow is absent.
+/// Search for the reasons for which a flow may be absent.
 struct Search<'a> {
     background: ProofContext<'a>,
     seen: BTreeSet<PortRef>,
@@ -133,7 +133,8 @@ struct Search<'a> {
 }
 
 impl Search<'_> {
-    /// Adds the reasons for which a flow is absent for its reader, following the flows that decide its presence.
+    /// Adds the reasons for which a flow may be absent for a reader in the fragment `reader`. Follows the flows that
+    /// decide the presence.
     fn follow(&mut self, reader: FragmentId, port: PortRef) {
         let ProofContext {
             net,
@@ -169,14 +170,12 @@ impl Search<'_> {
     }
 }
 
-/// Returns the diagnostic for a missing set-point.
+/// Returns the diagnostic for an actuator that may have no set-point.
 pub(crate) fn diagnostic(net: &Net, gap: &MissingSetpoint) -> Diagnostic {
     let Resource { device, port, .. } = &gap.resource;
     let message = format!("`{device}.{port}` may have no set-point in some cycles");
-    let diagnostic = Diagnostic::new(Code::RPI6104, message).primary(
-        net.node(gap.writer).origin.span,
-        "absent in cycles without a value",
-    );
+    let diagnostic = Diagnostic::new(Code::RPI6104, message)
+        .primary(net.node(gap.writer).origin.span, "no value in these cycles");
     let shown = gap.reasons.iter().take(MAX_REASONS);
     let diagnostic = shown.fold(diagnostic, |diagnostic, reason| {
         labelled(net, diagnostic, *reason)
@@ -188,7 +187,21 @@ pub(crate) fn diagnostic(net: &Net, gap: &MissingSetpoint) -> Diagnostic {
     };
     diagnostic
         .note("without a set-point a resting device holds its position; a moving one stops with a fault")
-        .help("add a last alternative that is always present: `... ?? x`")
+        .help(match driven_alternative(net, &gap.resource) {
+            Some(other) => format!(
+                "let one of `{device}.{port}` and `{}.{}` have a value in each cycle: under a condition and its `not`",
+                other.device, other.port
+            ),
+            None => format!(
+                "append `?? ...` to the equation of `{device}.{port}`, with a value that is always present"
+            ),
+        })
+}
+
+/// Returns another port of the same actuator that the net drives.
+fn driven_alternative(net: &Net, port: &Resource) -> Option<Resource> {
+    let mut driven = net.node_ids().filter_map(|id| resource(net.node(id)));
+    driven.find(|other| are_alternatives(net, other, port))
 }
 
 fn labelled(net: &Net, diagnostic: Diagnostic, reason: Reason) -> Diagnostic {
@@ -218,7 +231,7 @@ fn labelled(net: &Net, diagnostic: Diagnostic, reason: Reason) -> Diagnostic {
     }
 }
 
-/// Summary of the set-point coverage.
+/// Returns one line of text on the actuators that may have no set-point.
 pub(crate) fn summary(net: &Net, writers: &Writers, gaps: &[MissingSetpoint]) -> String {
     let name = |gap: &MissingSetpoint| format!("{}.{}", gap.resource.device, gap.resource.port);
     let names: Vec<String> = gaps.iter().map(name).collect();

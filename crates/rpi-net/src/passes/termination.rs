@@ -6,8 +6,10 @@ use crate::net::{FragmentId, Input, Net, PortRef, ResultKind, ResultPort, Termin
 use rpi_diag::{Code, Diagnostic};
 use rpi_image::{CommandFlow, Role};
 
-/// Checks when a program can end. Returns diagnostics about its results. Imported nets are not checked: they may run
-/// until they are stopped from outside.
+/// Checks that a program can end with each of its results, and returns diagnostics about results that it cannot end
+/// with.
+///
+/// Imported nets are not checked. They may run until they are stopped from outside.
 pub(crate) fn check(background: ProofContext<'_>) -> Vec<Diagnostic> {
     let Termination::Results(results) = &background.net.termination else {
         return Vec::new();
@@ -60,7 +62,7 @@ pub(crate) fn check(background: ProofContext<'_>) -> Vec<Diagnostic> {
     diagnostics
 }
 
-/// Summary of the termination check.
+/// Returns one line of text on the check of the results. `faults` is the number of diagnostics.
 pub(crate) fn summary(net: &Net, faults: usize) -> String {
     match &net.termination {
         Termination::Results(results) if faults == 0 => {
@@ -76,10 +78,10 @@ pub(crate) fn summary(net: &Net, faults: usize) -> String {
     }
 }
 
-/// Maximal number of nodes that all proofs about the results of one command visit together.
+/// Maximum number of node visits in all proofs about the results of one command. Bounds the compile time.
 const EFFORT: u32 = 300_000;
 
-/// Proofs about the conditions of results.
+/// Prover of statements about the conditions of results, with a limited effort.
 struct Proofs<'a> {
     background: ProofContext<'a>,
     effort: EffortBudget,
@@ -94,23 +96,26 @@ impl Proofs<'_> {
         }
     }
 
-    /// Whether it is proved that a condition is false whenever all `others` are false.
+    /// Returns whether it is proved that the flow `condition` is never true in a cycle in which all flows `others` are
+    /// false.
     fn never_without(&self, condition: PortRef, others: &[PortRef]) -> bool {
         let seen = (FragmentId::ROOT, condition);
         never_true_without(self.background, &self.effort, seen, others)
     }
 
-    /// Whether a result happens only if a successor takes over (M10.4).
+    /// Returns whether it is proved that a result happens only if a successor takes over. `takeover` are the flows that
+    /// announce a successor.
     fn needs_successor(&self, result: &ResultPort, takeover: &[PortRef]) -> bool {
         let condition = result.condition.port();
         condition.is_some_and(|condition| self.never_without(condition, takeover))
     }
 }
 
-/// Maximal number of results of one kind that are tested for precedence over others.
+/// Maximum number of results of each kind that are tested for precedence over others. Bounds the compile time.
 const PRECEDENCE_LIMIT: usize = 8;
 
-/// Results that may take precedence over others (M10.1). A `yield` is not among them, since it needs a successor.
+/// Results that may take precedence over others, as indices by kind. A `yield` never takes precedence, since it needs a
+/// successor.
 struct Precedence<'r> {
     results: &'r [ResultPort],
     fails: Vec<usize>,
@@ -130,8 +135,8 @@ impl<'r> Precedence<'r> {
         }
     }
 
-    /// First result that takes precedence over result `at` whenever the condition of `at` is true; `None` if there is
-    /// none.
+    /// Returns the first result that takes precedence whenever the condition of the result with the index `at` is true;
+    /// `None` if there is none.
     fn preceded_by(&self, proofs: &Proofs<'_>, at: usize) -> Option<&'r ResultPort> {
         let own = &self.results[at];
         let is_fail = own.kind == ResultKind::Fail;
@@ -151,19 +156,23 @@ impl<'r> Precedence<'r> {
 
 fn hidden_result(result: &ResultPort, first: &ResultPort) -> Diagnostic {
     let message = format!("result `{}` can never happen", result.name);
-    precedence_labels(Diagnostic::new(Code::RPI6103, message), result, first)
+    let diagnostic = Diagnostic::new(Code::RPI6103, message);
+    precedence_labels(diagnostic, result, first, &result.name)
 }
 
-/// Diagnostic for a command whose every `finish` is preceded by another result.
+/// Returns the diagnostic for a command in which another result takes precedence over every `finish`.
 fn always_before(net: &Net, finish: &ResultPort, first: &ResultPort) -> Diagnostic {
     let message = format!("command `{}` can never finish", net.name);
-    precedence_labels(Diagnostic::new(Code::RPI6102, message), finish, first)
+    let diagnostic = Diagnostic::new(Code::RPI6102, message);
+    precedence_labels(diagnostic, finish, first, &first.name)
 }
 
+/// Adds the labels and the help for a `result` that `first` precedes; `redundant` is the one that may be deleted.
 fn precedence_labels(
     diagnostic: Diagnostic,
     result: &ResultPort,
     first: &ResultPort,
+    redundant: &str,
 ) -> Diagnostic {
     diagnostic
         .primary(
@@ -173,12 +182,12 @@ fn precedence_labels(
         .secondary(first.origin.span, "this is also true then")
         .note("`fail` comes first, then the other results in text order")
         .help(format!(
-            "exclude the other result: add `and not` with the condition of `{}`, or delete this result",
-            first.name
+            "narrow the condition of `{}`: it must be false in some cycle in which that of `{}` is true; or delete `{redundant}`",
+            first.name, result.name
         ))
 }
 
-/// Flows that say whether a successor takes over.
+/// Returns the flows that are true if a successor takes over.
 fn takeover(net: &Net) -> Vec<PortRef> {
     let is_takeover = |id: &_| net.node(*id).desc().role == Role::Flow(CommandFlow::Takeover);
     let takeovers = net.node_ids().filter(is_takeover);
@@ -190,17 +199,17 @@ fn waits_for_successor(net: &Net, finish: &ResultPort) -> Diagnostic {
     let message = format!("command `{name}` cannot finish without a successor");
     Diagnostic::new(Code::RPI6102, message)
         .primary(finish.origin.span, "this is true only with `takeover`")
-        .help("a command must be able to end without a successor: add `finish r when c`")
+        .help("a command must be able to end even if no other follows: add a `finish` whose condition does not need `takeover`")
 }
 
-/// Whether the diagnostic says that a result is unreachable. For a command this holds only if it holds for each of its
-/// nets.
+/// Returns whether the diagnostic reports an unreachable result. For a command with several nets, the result must be
+/// unreachable in each net.
 pub fn is_unreachable(diagnostic: &Diagnostic) -> bool {
     diagnostic.code == Code::RPI6103
 }
 
-/// Whether the diagnostic says that a command can never finish. This is an error in each of its nets, independently of
-/// the others.
+/// Returns whether the diagnostic reports a command that can never finish. This is an error in each net of a command,
+/// independently of its other nets.
 pub fn is_endless(diagnostic: &Diagnostic) -> bool {
     diagnostic.code == Code::RPI6102
 }
@@ -221,11 +230,15 @@ fn endless(background: ProofContext<'_>, results: &[ResultPort], finishes: usize
         .map_or(background.net.fragment(FragmentId::ROOT).origin.span, |r| {
             r.origin.span
         });
-    let what = match finishes {
-        0 => "there is no `finish` among its results",
-        _ => "no `finish` condition can ever be true",
+    let (what, help) = match finishes {
+        0 => (
+            "there is no `finish` among its results",
+            "a command must be able to end even if no other follows: add a result such as `finish done when ...;`",
+        ),
+        _ => (
+            "no `finish` condition can ever be true",
+            "correct the condition, or add a `finish` that can happen: a command must be able to end even if no other follows",
+        ),
     };
-    diagnostic
-        .primary(place, what)
-        .help("a command must be able to end without a successor: add `finish r when c`")
+    diagnostic.primary(place, what).help(help)
 }

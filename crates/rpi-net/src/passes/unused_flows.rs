@@ -7,8 +7,11 @@ use rpi_diag::{Code, Diagnostic, Span};
 use rpi_image::Role;
 use std::collections::BTreeSet;
 
-/// Returns a warning for each named flow of a program that is never used: no instance of it is read or is a port of a
-/// fragment. A name that begins with `_` suppresses the warning.
+/// Returns a warning for each named flow of a program that is never used: no node or port of a fragment reads any
+/// instance of it.
+///
+/// A name that begins with `_` suppresses the warning. For each node, `live` is whether a result, an export or an
+/// effect depends on it.
 pub(crate) fn check(net: &Net, live: &[bool]) -> Vec<Diagnostic> {
     let used = used(net, live);
     // Inputs are set from outside rather than computed, so an unused one is not reported here.
@@ -32,7 +35,7 @@ pub(crate) fn check(net: &Net, live: &[bool]) -> Vec<Diagnostic> {
     dead.chain(dead_state::check(net, live, &used)).collect()
 }
 
-/// For each node, whether it is live, is read by another node or is a port of a fragment.
+/// Returns for each node whether it is live, another node reads it, or a port of a fragment carries its value.
 fn used(net: &Net, live: &[bool]) -> Vec<bool> {
     let mut used = live.to_vec();
     let read = net.nodes.iter().flat_map(|node| &node.inputs);

@@ -2,16 +2,17 @@
 
 use crate::net::{Input, Net, NodeId};
 
-/// For each node, the nodes that read one of its out-ports, in declaration order (compressed sparse rows).
+/// For each node, the nodes that read one of its out-ports, in declaration order. The lists are stored one after the
+/// other (compressed sparse rows).
 #[derive(Clone, Debug)]
 pub struct Readers {
-    /// Index of each node's first reader in `readers`; one more entry than there are nodes.
+    /// For each node, the index in `readers` at which its list begins; a last entry marks the end of the last list.
     start: Vec<u32>,
     readers: Vec<NodeId>,
 }
 
 impl Readers {
-    /// Collects the readers of all nodes.
+    /// Collects, for each node of the net, the nodes that read its out-ports.
     #[must_use]
     pub fn new(net: &Net) -> Self {
         let mut start = vec![0_u32; net.nodes.len() + 1];
@@ -30,7 +31,7 @@ impl Readers {
         Readers { start, readers }
     }
 
-    /// Nodes that read `node`. A node that reads it twice occurs twice.
+    /// Returns the nodes that read an out-port of `node`. A node that reads it twice occurs twice.
     #[must_use]
     pub fn readers_of(&self, node: NodeId) -> &[NodeId] {
         let at = node.index();

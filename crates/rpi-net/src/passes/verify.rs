@@ -8,7 +8,7 @@ use crate::net::{
 use crate::verify_error::VerifyError;
 use rpi_image::{Fallback, ParamType, PortType, Scalar, Type, Value};
 
-/// Checks the structure of a net.
+/// Checks that indices, numbers of ports and types in a net are valid.
 ///
 /// # Errors
 /// Returns the first violated invariant.

@@ -13,23 +13,23 @@ use rpi_image::{DevicePortNames, Role, Value};
 use std::collections::{BTreeMap, BTreeSet};
 use std::fmt;
 
-/// Maximal number of pairs of writers that are examined. Further pairs count as not proved.
+/// Maximum number of pairs of writers that are examined. Further pairs count as not proved exclusive.
 const MAX_PAIRS: usize = 20_000;
 
-/// Maximal number of pairs for which the model checker is used.
+/// Maximum number of pairs of writers for which the model checker is used. Bounds the compile time.
 const MAX_SOLVER_PAIRS: usize = 200;
 
-/// Ports of the reference system's arms that drive the same motion.
+/// Ports of an arm in the reference system that drive the same motion, so that at most one may be written in a cycle.
 pub(crate) const SAME_MOTION: [&str; 2] = ["joint.position", "tcp.position"];
 
-/// Port of a device, as a resource that a command takes.
+/// Actuator port of a device, as a resource that a command holds.
 #[derive(Clone, PartialEq, Eq, PartialOrd, Ord, Hash, Debug)]
 pub struct Resource {
-    /// Name of the device that a command of the net uses.
+    /// Name of the device in the command.
     pub device: String,
-    /// Name of the port.
+    /// Name of the actuator port, such as `tcp`.
     pub port: String,
-    /// Index among several equal ports.
+    /// Index that selects one of several equal ports of the device; 0 if there is only one.
     pub index: i64,
 }
 
@@ -39,29 +39,29 @@ impl fmt::Display for Resource {
     }
 }
 
-/// Pair of writers of the same resource, or of alternative ones.
+/// Pair of nodes that write the same resource, or ports that drive the same actuator.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub struct WriterPair {
-    /// Nodes that write the two ports.
+    /// The two nodes that write the same resource.
     pub writers: [NodeId; 2],
     /// Whether the writers are proved never to write in the same cycle.
     pub exclusive: bool,
 }
 
-/// Writers of the actuators of a net, and the pairs of them that might write in the same cycle.
+/// Nodes that write the actuators of a net, and the pairs of them that write the same actuator.
 #[derive(Clone, PartialEq, Eq, Default, Debug)]
 pub struct Writers {
-    /// Writers of each resource, in declaration order.
+    /// Nodes that write each actuator port, in declaration order.
     pub by_resource: BTreeMap<Resource, Vec<NodeId>>,
-    /// All pairs of writers that might write in the same cycle.
+    /// Pairs of nodes that write the same actuator, each with whether they are proved exclusive.
     pub pairs: Vec<WriterPair>,
-    /// Verdicts of the model checker for the pairs that the fact-based prover did not decide.
+    /// Results of the model checker for the pairs that the prover of facts about single cycles did not decide.
     verdicts: BTreeMap<[NodeId; 2], Verdict>,
 }
 
 impl Writers {
-    /// Collects the writers of a net and proves pairs exclusive. Without a schedule, only the fact-based prover is
-    /// used.
+    /// Collects the writers of a net and tries to prove pairs of them exclusive. Without a schedule, the model checker
+    /// is not used.
     pub(crate) fn new(background: ProofContext<'_>, schedule: Option<&Schedule>) -> Self {
         let mut of: BTreeMap<Resource, Vec<NodeId>> = BTreeMap::new();
         for id in background.net.node_ids() {
@@ -84,7 +84,7 @@ impl Writers {
         }
     }
 
-    /// Names of the methods of the model checker that proved pairs exclusive, each once.
+    /// Returns the names of the methods by which the model checker proved pairs exclusive, each once.
     pub(crate) fn methods(&self) -> Vec<String> {
         let methods = self.verdicts.values().filter_map(|verdict| match verdict {
             Verdict::Exclusive(method) => Some(*method),
@@ -94,7 +94,7 @@ impl Writers {
         methods.iter().map(ToString::to_string).collect()
     }
 
-    /// Example run in which both writers of a pair write in the same cycle.
+    /// Returns an example run in which both writers of a pair write in the same cycle; `None` if none is known.
     fn witness(&self, pair: [NodeId; 2]) -> Option<&Witness> {
         match self.verdicts.get(&pair) {
             Some(Verdict::Witnessed(witness)) => Some(witness),
@@ -102,7 +102,7 @@ impl Writers {
         }
     }
 
-    /// Pairs that are not proved exclusive.
+    /// Returns the pairs of writers that are not proved exclusive.
     pub fn unproved(&self) -> impl Iterator<Item = [NodeId; 2]> + '_ {
         self.pairs
             .iter()
@@ -111,7 +111,7 @@ impl Writers {
     }
 }
 
-/// Resource that a node writes; `None` if it does not write one.
+/// Returns the actuator port that a node writes; `None` if it writes none.
 #[must_use]
 pub fn resource(node: &Node) -> Option<Resource> {
     let Role::Actuator(device) = node.desc().role else {
@@ -132,7 +132,7 @@ pub fn resource(node: &Node) -> Option<Resource> {
     })
 }
 
-/// All pairs of writers of the same resource or of alternative ones.
+/// Returns all pairs of nodes that write the same actuator port, or ports that drive the same actuator.
 fn candidate_pairs(net: &Net, of: &BTreeMap<Resource, Vec<NodeId>>) -> Vec<[NodeId; 2]> {
     let mut pairs = Vec::new();
     let all: Vec<(&Resource, &Vec<NodeId>)> = of.iter().collect();
@@ -150,7 +150,7 @@ fn candidate_pairs(net: &Net, of: &BTreeMap<Resource, Vec<NodeId>>) -> Vec<[Node
     pairs
 }
 
-/// Whether two ports are alternatives that drive the same actuator.
+/// Returns whether two different ports of a device drive the same actuator.
 pub(crate) fn are_alternatives(net: &Net, a: &Resource, b: &Resource) -> bool {
     let same_motion = |r: &Resource| SAME_MOTION.contains(&r.port.as_str());
     let declared = net.alternatives.iter().any(|group| {
@@ -180,7 +180,7 @@ fn prove_pairs(background: ProofContext<'_>, pairs: &[[NodeId; 2]]) -> Vec<Write
     pairs.iter().zip(exclusive).map(pair).collect()
 }
 
-/// The event that a writer writes: its fragment is active and its inputs are present.
+/// Returns the event that a writer writes in a cycle: its fragment is active and its inputs are present.
 pub(crate) fn write_event(net: &Net, writer: NodeId) -> Event {
     let node = net.node(writer);
     Event {
@@ -189,7 +189,7 @@ pub(crate) fn write_event(net: &Net, writer: NodeId) -> Event {
     }
 }
 
-/// Verdicts of the model checker for the pairs that are not proved exclusive yet.
+/// Returns the results of the model checker for the pairs that are not proved exclusive yet.
 fn solve_pairs(
     background: ProofContext<'_>,
     schedule: &Schedule,
@@ -208,8 +208,8 @@ fn solve_pairs(
     open.into_iter().zip(verdicts).collect()
 }
 
-/// Checks that a program has one writer per actuator. Returns a diagnostic per resource with two writers that write, or
-/// might write, in the same cycle. A pair with a known example run is preferred.
+/// Returns a diagnostic for each actuator of a program with two writers that write, or might write, in the same cycle.
+/// Among several pairs of writers, one with an example run is preferred.
 pub(crate) fn check(net: &Net, writers: &Writers) -> Vec<Diagnostic> {
     if matches!(net.termination, Termination::Ports { .. }) {
         return Vec::new();
@@ -235,7 +235,7 @@ pub(crate) fn check(net: &Net, writers: &Writers) -> Vec<Diagnostic> {
     diagnostics.collect()
 }
 
-/// Sorts two resources and their writers by their location in the text.
+/// Returns two resources and their writers in the order of the writers in the program text.
 fn in_text_order(
     net: &Net,
     [a, b]: [Resource; 2],
@@ -248,7 +248,7 @@ fn in_text_order(
     }
 }
 
-/// Creates the diagnostic for two set-points of the same actuator, with labels at both locations.
+/// Returns the diagnostic for two set-points of the same actuator, with labels at both locations.
 fn diagnostic(
     net: &Net,
     (code, message): (Code, String),
@@ -279,7 +279,10 @@ fn overlap_diagnostic(
     };
     diagnostic(net, (Code::RPI6101, message), pair)
         .note(witness.to_string())
-        .help("merge the alternatives with `??`, or make their conditions mutually exclusive")
+        .help(match a == b {
+            true => "merge the alternatives with `??`, or make their conditions mutually exclusive",
+            false => "let their conditions exclude each other: a condition for one, and its `not` for the other",
+        })
 }
 
 fn unproved_diagnostic(net: &Net, [a, b]: &[Resource; 2], pair: [NodeId; 2]) -> Diagnostic {

@@ -5,34 +5,38 @@ use super::parsed_text::{Argument, ArgumentValue, Definition, Source, TextRange,
 use super::value::{flow_type, neutral, parse};
 use crate::net::{Input, Inputs, PortRef};
 use rpi_diag::{Code, Diagnostic, suggest};
-use rpi_image::{Fallback, InPort, Param, ParamType, PortDefault, PortType, PrimDesc, Value};
+use rpi_image::{
+    Fallback, InPort, Param, ParamType, PortDefault, PortType, PrimDesc, Scalar, Value,
+};
 use rpi_literal::LiteralError;
 use smallvec::SmallVec;
 
-/// Inputs and parameters of a primitive, as read from the text of a net.
+/// Sources of the in-ports and values of the parameters of a primitive, as read from the text of a net.
 pub(super) struct PrimitiveInputs {
     pub(super) inputs: Inputs,
     pub(super) params: Vec<Value>,
 }
 
-/// Reader of the arguments of one primitive, which checks them against its declaration.
+/// Reader of the arguments of one primitive. It checks them against the primitive's declaration.
 pub(super) struct Arguments<'a, 'b, 't> {
     pub(super) links: &'a mut LinkResolver<'b, 't>,
     pub(super) diagnostics: &'a mut Vec<Diagnostic>,
     pub(super) desc: &'static PrimDesc,
     pub(super) definition: &'a Definition,
-    /// Whether the text has no syntax errors. Missing arguments are reported only then, since an error may have hidden
-    /// them.
+    /// Whether the text has no syntax errors. Missing arguments are reported only then, since a syntax error may have
+    /// hidden them.
     pub(super) is_error_free: bool,
 }
 
-/// In-port that the text connects, by index. Its origin is `None` if the link has an error that was already reported.
+/// Index of an in-port that the text connects, with the out-port it is connected to; `None` if the link has an error
+/// that has been reported.
 type ConnectedPort = (usize, Option<PortRef>);
-/// Name of a parameter with the value that the text gives it.
+/// Name of a parameter with the value that the text gives to it.
 type Setting<'t> = (&'t str, Value);
 
 impl<'t> Arguments<'_, '_, 't> {
-    /// Returns all inputs and parameters. Errors are reported as diagnostics, and a neutral value replaces a wrong one.
+    /// Returns the sources of all in-ports and the values of all parameters. Reports errors as diagnostics, and
+    /// replaces wrong values by neutral ones.
     pub(super) fn read(mut self) -> PrimitiveInputs {
         let definition = self.definition;
         let mut links: SmallVec<[ConnectedPort; 4]> = SmallVec::new();
@@ -71,7 +75,7 @@ impl<'t> Arguments<'_, '_, 't> {
             return None;
         };
         let value = parse(self.str(text), ty).unwrap_or_else(|error| {
-            let diagnostic = self.invalid_value(argument.name, text, &error);
+            let diagnostic = self.invalid_value(argument.name, text, (&error, ty));
             self.diagnostics.push(diagnostic);
             neutral(ty)
         });
@@ -127,7 +131,12 @@ impl<'t> Arguments<'_, '_, 't> {
         advise(diagnostic, name, &parameters)
     }
 
-    fn invalid_value(&self, name: Word, text: Word, error: &LiteralError) -> Diagnostic {
+    fn invalid_value(
+        &self,
+        name: Word,
+        text: Word,
+        (error, ty): (&LiteralError, ParamType),
+    ) -> Diagnostic {
         let start = text
             .start
             .saturating_add(to_u32(error.offset))
@@ -137,7 +146,12 @@ impl<'t> Arguments<'_, '_, 't> {
         let message = format!("`{name}` of `{prim}`: {}", error.message);
         Diagnostic::new(Code::RPI2102, message)
             .primary(self.span(place), error.message.clone())
-            .help("see the page of this code for the syntax of values")
+            .help(match ty {
+                ParamType::Scalar(Scalar::Bool) => "write `true` or `false`",
+                ParamType::Scalar(Scalar::Int) => "write an integer, such as `1`",
+                ParamType::Scalar(Scalar::Real) => "write a number, such as `1.0`",
+                _ => "`rpic explain RPI2102` shows the syntax of the values of each type",
+            })
     }
 
     fn report_duplicates(&mut self) {
@@ -162,7 +176,7 @@ impl<'t> Arguments<'_, '_, 't> {
         }
     }
 
-    /// Names of the in-ports and parameters that need a value and have none.
+    /// Returns the names of the in-ports and parameters that need a value and have none in the text.
     fn missing(&self, links: &[ConnectedPort], settings: &[Setting<'t>]) -> Vec<&'static str> {
         let linked = |k: usize| links.iter().any(|(i, _)| *i == k);
         let is_set = |name: &str| settings.iter().any(|(n, _)| *n == name);
@@ -197,7 +211,7 @@ impl<'t> Arguments<'_, '_, 't> {
         self.diagnostics.push(diagnostic);
     }
 
-    /// Location of the primitive's type name.
+    /// Returns the location of the primitive's name in its definition.
     fn type_place(&self) -> TextRange {
         let start = self.definition.place.start;
         TextRange {
@@ -247,7 +261,8 @@ fn connect(desc: &PrimDesc, links: &[ConnectedPort], settings: &[Setting<'_>]) -
     }
 }
 
-/// Value of the parameters that replace an unconnected in-port; `None` if the in-port has no such parameter.
+/// Returns the constant that replaces an unconnected in-port, made from the parameters that stand for the in-port;
+/// `None` if it has no such parameters. `setting` returns the value that the text gives to a parameter.
 fn default_input(port: &InPort, setting: impl Fn(&str) -> Option<Value>) -> Option<Value> {
     match port.fallback {
         Fallback::Required | Fallback::AbsentValue => None,
@@ -263,19 +278,20 @@ fn default_input(port: &InPort, setting: impl Fn(&str) -> Option<Value>) -> Opti
     }
 }
 
-/// Type of the parameter with this name, if there is one.
+/// Returns the type of the parameter with this name; `None` if the primitive has none.
 fn parameter_type(desc: &PrimDesc, name: &str) -> Option<ParamType> {
     if let Some(k) = desc.param(name) {
         return Some(desc.params[k].ty);
     }
     let port = &desc.inputs[desc.in_port_of_param(name)?];
     match port.fallback {
-        Fallback::ComposedOfParams(..) => Some(ParamType::Scalar(rpi_image::Scalar::Real)),
+        Fallback::ComposedOfParams(..) => Some(ParamType::Scalar(Scalar::Real)),
         _ => port_parameter(port.ty),
     }
 }
 
-/// Type of the parameter that replaces an in-port; `None` for a matrix, which has no text form.
+/// Returns the type of the parameter that can replace an in-port of the type `ty`; `None` for a matrix, which has no
+/// text form.
 fn port_parameter(ty: PortType) -> Option<ParamType> {
     match ty {
         PortType::Scalar(s) => Some(ParamType::Scalar(s)),
@@ -284,7 +300,7 @@ fn port_parameter(ty: PortType) -> Option<ParamType> {
     }
 }
 
-/// Names of all parameters, including those that replace in-ports.
+/// Returns the names of all parameters of a primitive, including those that replace unconnected in-ports.
 fn parameters(desc: &PrimDesc) -> Vec<&'static str> {
     let ports = desc.inputs.iter().flat_map(|p| match p.fallback {
         Fallback::Param(name, _) => vec![name],

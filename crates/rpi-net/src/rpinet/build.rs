@@ -16,19 +16,20 @@ use rpi_prims::{PrimId, registry};
 use rustc_hash::FxHashMap;
 use std::collections::BTreeMap;
 
-/// In-port that activates a fragment.
+/// Name of the in-port of a fragment that activates it.
 pub(super) const ACTIVATION: &str = "inActive";
-/// Out-port of the root that ends the net.
+/// Name of the out-port of the root fragment that ends the net.
 pub(super) const TERMINATE: &str = "outTerminate";
-/// Out-port of the root that carries the error number of the net.
+/// Name of the out-port of the root fragment that carries the error number of the net (0: no error).
 pub(super) const FAIL: &str = "outFail";
 
-/// In-port that resets the state of a fragment while it is true. An extension, unknown to the reference system.
+/// Name of the in-port of a fragment that resets its state while it is true. The reference system does not have this
+/// port.
 pub(super) const RESTART: &str = "rpi:restart";
-/// Quoted value at [`RESTART`] that resets the state whenever the fragment becomes active.
+/// Quoted value of the in-port [`RESTART`] with which the state is reset whenever the fragment becomes active.
 pub(super) const RESTART_ON_ACTIVATION: &str = "activation";
 
-/// Builds the net of a text. The net is valid only if there are no error diagnostics.
+/// Builds the net for a parsed text. The net is valid only if `diagnostics` contains no errors afterwards.
 pub(super) fn build(name: &str, text: &ParsedText<'_>, diagnostics: &mut Vec<Diagnostic>) -> Net {
     let intact = diagnostics.is_empty();
     let names = SymbolTable::new(text, diagnostics);
@@ -63,7 +64,7 @@ pub(super) fn build(name: &str, text: &ParsedText<'_>, diagnostics: &mut Vec<Dia
     net
 }
 
-/// First pass: creates all nodes and fragments, unconnected.
+/// First pass over the text: creates all nodes and fragments, without links.
 struct Builder<'a, 't> {
     text: &'a ParsedText<'t>,
     names: &'a SymbolTable<'t>,
@@ -94,7 +95,7 @@ impl<'t> Builder<'_, 't> {
         self.diagnostics.extend(unknown);
     }
 
-    /// Primitive with this name. The results of the registry are cached.
+    /// Returns the primitive with a registered name; `None` if there is none. Searches of the registry are cached.
     fn prim(&mut self, name: &'t str) -> Option<PrimId> {
         *self
             .prims
@@ -117,7 +118,7 @@ impl<'t> Builder<'_, 't> {
         self.fragments[body as usize] = self.net.add_fragment(fragment);
     }
 
-    /// Fragment of the net that directly contains a definition of the text.
+    /// Returns the fragment of the net that directly contains a definition of the text.
     fn enclosing_fragment(&self, id: DefinitionId) -> FragmentId {
         self.fragments[self.text.definition(id).scope as usize]
     }
@@ -135,7 +136,7 @@ impl<'t> Builder<'_, 't> {
         self.nodes[id as usize] = Some((self.net.add_node(node), prim));
     }
 
-    /// Name of a definition; generated if it has none.
+    /// Returns the name of a definition, or an unused generated name if it has none.
     fn name(&mut self, id: DefinitionId) -> String {
         let definition = self.text.definition(id);
         if let Some(name) = definition.name {
@@ -158,7 +159,7 @@ impl<'t> Builder<'_, 't> {
     }
 }
 
-/// Second pass: connects the nodes and fragments.
+/// Second pass over the text: connects the in-ports of the nodes and fragments.
 struct Linker<'a, 'b, 't> {
     text: &'b ParsedText<'t>,
     links: LinkResolver<'b, 't>,
@@ -233,7 +234,8 @@ impl<'t> Linker<'_, '_, 't> {
         }
     }
 
-    /// Out-port to which the text connects an in-port of a fragment; `None` if an error was reported.
+    /// Returns the out-port to which the text connects an in-port of a fragment; `None` if an error was reported.
+    /// `scope` is the fragment around that fragment.
     fn argument(&mut self, scope: BodyId, argument: &Argument) -> Option<PortRef> {
         match argument.value {
             ArgumentValue::Link(source) => self.links.resolve(scope, source, self.diagnostics),
@@ -297,7 +299,8 @@ impl<'t> Linker<'_, '_, 't> {
         self.links.resolve(body, source, self.diagnostics)
     }
 
-    /// Reports a type mismatch at a port with a fixed meaning.
+    /// Reports an error if the source `port` of a port with a fixed meaning, such as `inActive`, has another type than
+    /// `needed`.
     fn check_port_type(&mut self, port: PortRef, needed: PortType, name: Word) {
         let diagnostic = self.links.wrong_type_at(port, needed, name);
         self.diagnostics.extend(diagnostic);

@@ -3,7 +3,7 @@
 use rpi_image::{ParamType, Role, Scalar, Type, Value};
 use rpi_prims::registry;
 
-/// Name of a constant primitive whose parameter `Value` can hold this constant.
+/// Returns the name of a constant primitive whose parameter `Value` can hold this constant; `None` if there is none.
 pub(super) fn constant_primitive(constant: &Value) -> Option<&'static str> {
     let Some(Type::Scalar(scalar)) = constant.ty() else {
         return None;
@@ -17,7 +17,8 @@ pub(super) fn constant_primitive(constant: &Value) -> Option<&'static str> {
     found.map(|d| d.name)
 }
 
-/// Reals from which `make` builds a constant: its components, or the Euler angles about z, y, x of a rotation.
+/// Returns the `count` reals from which `make` builds a constant: its components, or the Euler angles about z, y and x
+/// of a rotation.
 pub(super) fn constant_parts(
     constant: &Value,
     count: usize,

@@ -10,51 +10,53 @@ use rpi_image::PortType;
 use rpi_prims::PrimId;
 use rustc_hash::FxHashMap;
 
-/// Node and primitive for each definition of the text; `None` for fragments and undefined primitives.
+/// Node and primitive for each definition of the text; `None` for fragments, repeated definitions and undefined
+/// primitives.
 pub(super) type Nodes = Vec<Option<(NodeId, PrimId)>>;
 
-/// Resolver of the links in the text of a net: it follows them across fragment borders to a primitive.
+/// Resolver of the links in the text of a net. It follows each link across the borders of fragments to the primitive
+/// from which the flow comes.
 pub(super) struct LinkResolver<'a, 't> {
     pub(super) text: &'a ParsedText<'t>,
     pub(super) names: &'a SymbolTable<'t>,
     pub(super) nodes: &'a Nodes,
-    /// Primitive of each node, by node index.
+    /// Primitive of each node of the net, by node index.
     prims: Vec<PrimId>,
     ports: FxHashMap<BorderPort, Resolution>,
-    /// Remaining name searches for "did you mean" hints. The number is limited, since a broken net may have thousands
-    /// of wrong names.
+    /// Number of searches for similar names, for "did you mean" hints, that may still be made. It is limited, since a
+    /// damaged net may have thousands of wrong names.
     hints: u32,
 }
 
-/// Port on the border of a fragment.
+/// Port on the border of a fragment in the text.
 #[derive(Clone, Copy, PartialEq, Eq, Hash)]
 enum BorderPort {
-    /// In-port: index of the fragment's definition, and of its argument.
+    /// In-port: the definition of the fragment, and the index of the argument that connects the port.
     In(DefinitionId, usize),
-    /// Out-port: index of the fragment, and of the port in it.
+    /// Out-port: the fragment, and the index of the port among its out-ports.
     Out(BodyId, usize),
 }
 
-/// State of the resolution of a border port.
+/// State of the search for the source of a port on a border.
 #[derive(Clone, Copy)]
 enum Resolution {
-    /// Resolution is in progress; reaching the port again is a dependency cycle.
+    /// The search is in progress. If it reaches the port again, the port is connected to itself.
     InProgress,
-    /// Out-port that the border port is an alias of; `None` after an error that was already reported.
+    /// Out-port of a primitive from which the port gets its flow; `None` after an error that has been reported.
     Resolved(Option<PortRef>),
 }
 
-/// Result of following a link by one step: a primitive, or a further port on a border.
+/// Result of following a link by one step: an out-port of a primitive, or another port on a border.
 enum Step {
     Node(PortRef),
     Border(BorderPort),
 }
 
-/// Reason why a link cannot be resolved.
+/// Reason for which a link of the text cannot be resolved.
 enum LinkError {
-    /// The name belongs to a definition with an error that is reported there.
+    /// The link names a definition with an error that is reported at the definition.
     AlreadyReported,
-    /// The link names a definition that does not exist.
+    /// The link names no definition of its fragment.
     UndefinedName,
     /// The link names a port that its definition does not have.
     UndefinedPort,
@@ -78,8 +80,10 @@ impl<'a, 't> LinkResolver<'a, 't> {
         }
     }
 
-    /// Returns the out-port of a primitive from which a link originates. Reports errors of the first step only; an
-    /// error of a later step is reported for the link that contains it.
+    /// Returns the out-port of a primitive from which the flow of a link comes; `None` after an error. `scope` is the
+    /// fragment that contains the link.
+    ///
+    /// Reports errors of the first step only. An error of a later step is reported for the link in which it is.
     pub(super) fn resolve(
         &mut self,
         scope: BodyId,
@@ -96,14 +100,15 @@ impl<'a, 't> LinkResolver<'a, 't> {
         }
     }
 
-    /// Type and name of an out-port of a node.
+    /// Returns the type and name of an out-port of a node; `None` if it does not exist.
     pub(super) fn port_type(&self, port: PortRef) -> Option<(PortType, &'static str)> {
         let prim = self.prims.get(port.node.index())?;
         let output = prim.desc().outputs.get(usize::from(port.port))?;
         Some((output.ty, output.name))
     }
 
-    /// Follows ports on borders until a primitive is reached.
+    /// Returns the out-port of the primitive from which a port on a border gets its flow, following further ports on
+    /// borders; `None` after an error.
     fn follow(&mut self, first: BorderPort, diagnostics: &mut Vec<Diagnostic>) -> Option<PortRef> {
         let mut passed = Vec::new();
         let mut at = first;
@@ -111,7 +116,7 @@ impl<'a, 't> LinkResolver<'a, 't> {
             match self.ports.get(&at) {
                 Some(Resolution::Resolved(known)) => break *known,
                 Some(Resolution::InProgress) => {
-                    diagnostics.push(self.dependency_cycle(at));
+                    diagnostics.push(self.dependency_cycle(at, &passed));
                     break None;
                 }
                 None => {}
@@ -133,7 +138,8 @@ impl<'a, 't> LinkResolver<'a, 't> {
         found
     }
 
-    /// Link that is connected to a border port, and the fragment that contains the link.
+    /// Returns the link that is connected to a port on a border, and the fragment that contains the link; `None` if a
+    /// quoted value is connected.
     fn link_of(&self, port: BorderPort) -> Option<(BodyId, Source)> {
         match port {
             BorderPort::In(id, k) => {
@@ -176,7 +182,7 @@ impl<'a, 't> LinkResolver<'a, 't> {
         }
     }
 
-    /// Resolves a link to an in-port of the fragment that contains the link (`parent.port`).
+    /// Follows a link of the form `parent.port` to the in-port of the fragment `scope`, which contains the link.
     fn in_port(&self, scope: BodyId, source: Source) -> Result<Step, LinkError> {
         let id = self
             .text
@@ -190,7 +196,8 @@ impl<'a, 't> LinkResolver<'a, 't> {
         Ok(Step::Border(BorderPort::In(id, k)))
     }
 
-    /// Returns the type mismatch of a link to a port with a fixed meaning; `None` if the types agree.
+    /// Returns the diagnostic for a link to a port with a fixed meaning, such as `inActive`, whose source has another
+    /// type than `needed`; `None` if the types agree. `name` is the place of the port's name.
     pub(super) fn wrong_type_at(
         &self,
         port: PortRef,
@@ -263,7 +270,8 @@ impl<'a, 't> LinkResolver<'a, 't> {
         }
     }
 
-    /// Description of the definition that a link names, and the names of its ports from which a link may originate.
+    /// Returns a description of the definition that a link names, and the names of its ports from which a link may
+    /// come.
     fn ports_of(&self, scope: BodyId, source: Source) -> (String, Vec<&'t str>) {
         let id = match source.subject {
             Subject::Name(word) if self.str(word) == PARENT => {
@@ -290,7 +298,7 @@ impl<'a, 't> LinkResolver<'a, 't> {
         }
     }
 
-    /// Names of the in-ports of a body's fragment; empty for the root.
+    /// Returns the names of the in-ports of a fragment; empty for the root.
     fn in_ports(&self, body: BodyId) -> Vec<&'t str> {
         let fragment = self.text.body(body).definition;
         let arguments = fragment.map(|d| self.text.arguments(self.text.definition(d)));
@@ -298,15 +306,25 @@ impl<'a, 't> LinkResolver<'a, 't> {
         arguments.map(|a| self.str(a.name)).collect()
     }
 
-    fn dependency_cycle(&self, port: BorderPort) -> Diagnostic {
-        let name = match port {
+    /// Diagnostic for a port that is connected to itself. `passed` are the ports on the way, and perhaps others before.
+    fn dependency_cycle(&self, port: BorderPort, passed: &[BorderPort]) -> Diagnostic {
+        let name_of = |port: BorderPort| match port {
             BorderPort::In(id, k) => self.text.arguments(self.text.definition(id))[k].name,
             BorderPort::Out(body, k) => self.text.body(body).outputs[k].name,
         };
+        let name = name_of(port);
         let message = format!("`{}` is connected to itself", self.str(name));
-        Diagnostic::new(Code::RPI4002, message)
-            .primary(self.text.span(name), "following this port leads back to it")
-            .help("connect one of the ports on the way to a primitive")
+        let diagnostic = Diagnostic::new(Code::RPI4002, message)
+            .primary(self.text.span(name), "following this port leads back to it");
+        let others = passed.iter().skip_while(|one| **one != port).skip(1);
+        let diagnostic = others
+            .take(MAX_SHOWN_PORTS)
+            .fold(diagnostic, |diagnostic, one| {
+                let name = name_of(*one);
+                let text = format!("through `{}`", self.str(name));
+                diagnostic.secondary(self.text.span(name), text)
+            });
+        diagnostic.help("connect one of these ports to the out-port of a primitive")
     }
 
     fn str(&self, word: Word) -> &'t str {
@@ -319,7 +337,10 @@ impl<'a, 't> LinkResolver<'a, 't> {
     }
 }
 
-/// Describes a port's type with an article where needed.
+/// Maximal number of ports of a dependency cycle that a diagnostic shows.
+const MAX_SHOWN_PORTS: usize = 4;
+
+/// Returns the type of a port in words for a message, such as "an array of int".
 pub(super) fn type_name(ty: PortType) -> String {
     match ty {
         PortType::Scalar(s) => s.to_string(),
@@ -328,7 +349,7 @@ pub(super) fn type_name(ty: PortType) -> String {
     }
 }
 
-/// Joins names for a message. At most eight names are shown.
+/// Returns names in backticks, separated by commas, for a message. At most eight names are shown.
 pub(super) fn list(names: &[&str]) -> String {
     const SHOWN: usize = 8;
     let mut shown: Vec<String> = names.iter().take(SHOWN).map(|n| format!("`{n}`")).collect();

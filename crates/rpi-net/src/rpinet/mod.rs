@@ -39,8 +39,8 @@ pub use result_ports::results_to_ports;
 pub use size::NetSize;
 pub use value::write as value_text;
 
-/// Parses a net with the given name from a text in `file`. Reports all errors of the text in one run. The net is `Some`
-/// exactly if no diagnostic is an error.
+/// Parses a text in the form `.rpinet` to a net with the given name. Reports all errors of the text in one run. The net
+/// is `Some` exactly if no diagnostic is an error.
 #[must_use]
 pub fn parse(name: &str, file: FileId, text: &str) -> (Option<Net>, Vec<Diagnostic>) {
     let (text, mut diagnostics) = parse::parse(file, text);
@@ -52,14 +52,15 @@ pub fn parse(name: &str, file: FileId, text: &str) -> (Option<Net>, Vec<Diagnost
     (net, diagnostics)
 }
 
-/// Formats a net as text. Results, exports and budgets of commands have no text form: apply [`results_to_ports`] first, which
-/// converts what it can.
+/// Returns a net as text in the form `.rpinet`. Results, exports and budgets of commands have no text form. Apply
+/// [`results_to_ports`] first, which converts those that it can.
 #[must_use]
 pub fn write(net: &Net) -> String {
     write::write(net, &FragmentTree::new(net))
 }
 
-/// Counts the elements of a text, including repeated definitions, whether or not the text is a valid net.
+/// Returns the numbers of elements in a text in the form `.rpinet`, including repeated definitions. The text need not
+/// be a valid net.
 #[must_use]
 pub fn count_text(text: &str) -> NetSize {
     NetSize::from_text(&parse::parse(FileId(0), text).0)

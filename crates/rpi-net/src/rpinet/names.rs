@@ -9,13 +9,14 @@ use rpi_diag::{Code, Diagnostic};
 use rustc_hash::{FxBuildHasher, FxHashMap};
 use std::hash::BuildHasher;
 
-/// Reserved word for the in-ports of the enclosing fragment.
+/// Reserved word in links to the in-ports of the enclosing fragment: `parent.port`.
 pub(super) const PARENT: &str = "parent";
 
-/// Symbol table of a text.
+/// Symbol table of the text of a net: definitions, aliases and ports by name.
 pub(super) struct SymbolTable<'t> {
     text: &'t ParsedText<'t>,
-    /// Definitions by scope and name. Both are stored in the definition, so that an entry needs only its index.
+    /// Definitions by fragment and name. Both are stored in the definition, so that an entry of the table is only its
+    /// index.
     definitions: HashTable<DefinitionId>,
     aliases: FxHashMap<(BodyId, &'t str), Word>,
     outputs: FxHashMap<(BodyId, &'t str), usize>,
@@ -24,7 +25,8 @@ pub(super) struct SymbolTable<'t> {
 }
 
 impl<'t> SymbolTable<'t> {
-    /// Enters all names. The reference system writes some definitions twice; an identical repetition is ignored.
+    /// Enters all names of a text and reports conflicts. The reference system writes some definitions twice; an
+    /// identical repetition is ignored.
     pub(super) fn new(text: &'t ParsedText<'t>, diagnostics: &mut Vec<Diagnostic>) -> Self {
         let mut names = SymbolTable {
             text,
@@ -44,7 +46,7 @@ impl<'t> SymbolTable<'t> {
         names
     }
 
-    /// Returns the definition with this name, following aliases.
+    /// Returns the definition with a name in the fragment `scope`, following aliases; `None` if there is none.
     pub(super) fn definition(&self, scope: BodyId, name: &'t str) -> Option<DefinitionId> {
         let mut name = name;
         // The number of steps is limited to the number of aliases, since aliases may form a cycle.
@@ -62,22 +64,23 @@ impl<'t> SymbolTable<'t> {
         self.definitions.find(hash(scope, name), is).copied()
     }
 
-    /// Index of an out-port of a fragment.
+    /// Returns the index of the out-port with this name in a fragment; `None` if there is none.
     pub(super) fn output(&self, body: BodyId, name: &str) -> Option<usize> {
         self.outputs.get(&(body, name)).copied()
     }
 
-    /// Index of the argument that connects an in-port of a fragment.
+    /// Returns the index of the argument that connects the in-port with this name of a fragment; `None` if there is
+    /// none.
     pub(super) fn input(&self, fragment: DefinitionId, name: &str) -> Option<usize> {
         self.inputs.get(&(fragment, name)).copied()
     }
 
-    /// Whether a definition repeats an earlier one, or is inside a definition that does.
+    /// Returns whether a definition repeats an earlier one, or is inside a definition that does.
     pub(super) fn is_duplicate(&self, id: DefinitionId) -> bool {
         self.repeated[id as usize]
     }
 
-    /// Whether a name is in use in a fragment.
+    /// Returns whether a name is in use in the fragment `scope`.
     pub(super) fn is_taken(&self, scope: BodyId, name: &str) -> bool {
         self.defined(scope, name).is_some() || self.aliases.contains_key(&(scope, name))
     }
@@ -169,7 +172,7 @@ fn hash(scope: BodyId, name: &str) -> u64 {
     FxBuildHasher.hash_one((scope, name))
 }
 
-/// Hash of a definition's scope and name. Definitions without a name are not entered in the table.
+/// Returns the hash of the fragment and name of a definition.
 fn hash_of(text: &ParsedText<'_>, id: DefinitionId) -> u64 {
     let definition = text.definition(id);
     let name = definition.name.map_or("", |n| text.str(n));
@@ -181,7 +184,8 @@ fn has_name(text: &ParsedText<'_>, id: DefinitionId, scope: BodyId, name: &str) 
     definition.scope == scope && definition.name.is_some_and(|n| text.str(n) == name)
 }
 
-/// Whether two definitions are equal: the same text, or the same type with the same arguments in any order.
+/// Returns whether two definitions are equal: the same text, or the same primitive with the same arguments in any
+/// order.
 fn is_same_definition(text: &ParsedText<'_>, a: &Definition, b: &Definition) -> bool {
     if text.str(a.place) == text.str(b.place) {
         return true;
@@ -196,7 +200,8 @@ fn is_same_definition(text: &ParsedText<'_>, a: &Definition, b: &Definition) -> 
     }
 }
 
-/// Arguments of a definition without recording times, sorted by name.
+/// Returns the arguments of a definition in a form for comparisons, sorted by name: name, subject and port of a link,
+/// or name, quote and quoted value. Recording times are left out.
 fn arguments<'t>(
     text: &ParsedText<'t>,
     definition: &Definition,

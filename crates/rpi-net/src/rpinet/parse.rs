@@ -11,10 +11,10 @@ use rpi_diag::{Code, Diagnostic, FileId};
 
 mod cursor;
 
-/// Maximal nesting depth of fragments and primitives in a text. Nets of the reference system have at most 5 levels.
+/// Maximum nesting depth of fragments and primitives in a text. Nets of the reference system have at most 5 levels.
 pub const MAX_DEPTH: usize = 100;
 
-/// Parses the text of a net.
+/// Parses the text of a net without resolving its names and links. Returns the definitions found, and the diagnostics.
 pub(super) fn parse(file: FileId, text: &str) -> (ParsedText<'_>, Vec<Diagnostic>) {
     let mut parser = Parser {
         out: ParsedText {
@@ -34,7 +34,7 @@ pub(super) fn parse(file: FileId, text: &str) -> (ParsedText<'_>, Vec<Diagnostic
     (parser.out, parser.diagnostics)
 }
 
-/// Marker for a syntax error that was already reported. The caller recovers where it can.
+/// Error: a syntax error that has been reported. The caller continues after it where it can.
 struct SyntaxError;
 
 type ParseResult<T> = Result<T, SyntaxError>;
@@ -43,18 +43,18 @@ struct Parser<'t> {
     out: ParsedText<'t>,
     offset: usize,
     depth: usize,
-    /// Arguments parsed so far of the definitions that are not closed yet, innermost last.
+    /// Arguments of the definitions that are not complete yet, innermost last.
     open: Vec<Argument>,
     diagnostics: Vec<Diagnostic>,
 }
 
-/// List that is being parsed: entries of a fragment, or arguments of a definition.
+/// List that is being parsed: the entries of a fragment, or the arguments of a definition.
 #[derive(Clone, Copy)]
 struct List {
-    /// Byte offset of the opening bracket.
+    /// Byte offset of the list's opening bracket.
     open_offset: usize,
     close: u8,
-    /// Fragment that contains the items of the list.
+    /// Fragment that contains the elements of the list.
     scope: BodyId,
     /// Definition whose arguments the list contains; `None` for the entries of a fragment.
     owner: Option<DefinitionId>,
@@ -82,7 +82,8 @@ impl<'t> Parser<'t> {
         }
     }
 
-    /// Parses entries or arguments, separated by commas, including the closing bracket.
+    /// Parses the entries of a fragment or the arguments of a definition, separated by commas, up to and including the
+    /// closing bracket.
     fn list(&mut self, list: List) -> ParseResult<()> {
         loop {
             self.space();
@@ -118,7 +119,7 @@ impl<'t> Parser<'t> {
         Ok(())
     }
 
-    /// Skips to the next comma of this list, or to its end.
+    /// Continues after an error: skips to the next comma of the list, or to its closing bracket.
     fn recover(&mut self, list: List) -> ParseResult<()> {
         let mut depth = 0_usize;
         loop {
@@ -142,7 +143,7 @@ impl<'t> Parser<'t> {
         }
     }
 
-    /// Parses `name = primitive`, `name = primitive.port` or `name = other`.
+    /// Parses an entry of a fragment: `name = primitive`, `name = primitive.port` or `name = other`.
     fn entry(&mut self, scope: BodyId) -> ParseResult<()> {
         let name = self.word("the name of a primitive or out-port")?;
         self.recording_time()?;
@@ -160,14 +161,15 @@ impl<'t> Parser<'t> {
         Ok(())
     }
 
-    /// Removes the name of a definition: in `name = Type(..).port` the name belongs to the out-port.
+    /// Removes the name of a definition: in `name = Type(..).port` the name is that of an out-port.
     fn clear_name(&mut self, of: Subject) {
         if let Subject::Definition(id) = of {
             self.definition(id).name = None;
         }
     }
 
-    /// Parses `inPort = primitive.port` or `Parameter = 'text'`.
+    /// Parses an argument of a definition: `inPort = primitive.port` or `Parameter = 'text'`. `owner` is the
+    /// definition.
     fn argument(&mut self, scope: BodyId, owner: DefinitionId) -> ParseResult<()> {
         let name = self.word("the name of an in-port or parameter")?;
         self.recording_time()?;
@@ -185,7 +187,8 @@ impl<'t> Parser<'t> {
         Ok(())
     }
 
-    /// Parses `name`, `Type(..)` or `{..}(..)`.
+    /// Parses a name, a primitive `Type(..)` or a fragment `{..}(..)`. `owner` is the definition in whose arguments it
+    /// is written; `name` is its name in an entry.
     fn subject(
         &mut self,
         scope: BodyId,
@@ -211,7 +214,8 @@ impl<'t> Parser<'t> {
         Ok(Subject::Definition(id))
     }
 
-    /// Adds a definition. Its kind is a fragment until the caller has parsed a primitive.
+    /// Adds a definition that begins at byte offset `start`. Its kind is a fragment until the caller has parsed a
+    /// primitive.
     fn define(
         &mut self,
         scope: BodyId,
@@ -301,8 +305,8 @@ impl<'t> Parser<'t> {
         result
     }
 
-    /// Skips `[seconds]`, for which the reference system records the link. It has no effect here, since every flow can
-    /// be recorded.
+    /// Skips `[seconds]` after a name, if present. For this time the reference system records the link; here it has no
+    /// effect, since every flow can be recorded.
     fn recording_time(&mut self) -> ParseResult<()> {
         self.space();
         let start = self.offset;

@@ -17,8 +17,8 @@ use rpi_image::{
 };
 use rpi_prims::{PrimId, registry};
 
-/// Returns a copy of an analysed net with ports and primitives in place of its results and exports, and diagnostics for all
-/// that is lost.
+/// Returns a copy of an analysed net in which ports and primitives replace results and exports, which the text form
+/// does not have. The diagnostics report everything that cannot be replaced.
 #[must_use]
 pub fn results_to_ports(analysis: &Analysis) -> (Net, Vec<Diagnostic>) {
     let net = &analysis.net;
@@ -37,7 +37,7 @@ pub fn results_to_ports(analysis: &Analysis) -> (Net, Vec<Diagnostic>) {
     (ending.net, diagnostics)
 }
 
-/// Converter of results and exports to ports: the net under construction and the analyses that it needs.
+/// Converter of results and exports to ports and primitives: the changed net, and the analyses that it needs.
 struct ResultConverter<'a> {
     net: Net,
     tree: FragmentTree,
@@ -89,7 +89,7 @@ impl ResultConverter<'_> {
         };
     }
 
-    /// Returns the condition of a result. A `yield` also needs a successor.
+    /// Returns the condition under which the command ends with a result. A `yield` also needs a successor.
     fn condition(&mut self, result: &ResultPort) -> Input {
         let condition = self.or_false(&result.condition);
         let takeover = registry().iter().map(|prim| prim.desc);
@@ -103,7 +103,7 @@ impl ResultConverter<'_> {
         }
     }
 
-    /// Returns a Boolean that is false where `condition` is absent.
+    /// Returns a Boolean with the value of `condition`, and false in cycles in which `condition` is absent.
     fn or_false(&mut self, condition: &Input) -> Input {
         let no = Input::Const(Box::new(Value::bool(false)));
         let seen = Some(self.presences);
@@ -119,7 +119,7 @@ impl ResultConverter<'_> {
         }
     }
 
-    /// Adds a primitive to the root and returns its first out-port.
+    /// Adds a node with the primitive `name` to the root fragment, and returns its first out-port as a source.
     fn add_primitive(&mut self, name: &str, inputs: Vec<Input>) -> Input {
         match PrimId::from_name(name) {
             Some(prim) => {
@@ -143,7 +143,8 @@ impl ResultConverter<'_> {
         Some(())
     }
 
-    /// Adds a primitive to the root. Its parameters have their defaults, except `Key`, which is set to `key`.
+    /// Adds a node with the primitive `prim` to the root fragment. Its parameters have their defaults, except `Key`,
+    /// which is set to `key`.
     fn add(&mut self, name: &str, prim: PrimId, inputs: Vec<Input>, key: &str) -> NodeId {
         let desc = prim.desc();
         let param = |param: &Param| match param.name {
@@ -173,7 +174,7 @@ impl ResultConverter<'_> {
     }
 }
 
-/// Diagnostics for declared budgets, which a `.rpinet` file cannot express.
+/// Returns diagnostics for declared execution time budgets, which a `.rpinet` file cannot express.
 fn lost_budgets(net: &Net) -> impl Iterator<Item = Diagnostic> + '_ {
     let stated = net.fragments.iter().filter(|f| f.budget_ns.is_some());
     stated.map(|fragment| {
@@ -184,12 +185,14 @@ fn lost_budgets(net: &Net) -> impl Iterator<Item = Diagnostic> + '_ {
         let message = format!("the budget of {what} is lost in the `.rpinet` text");
         Diagnostic::new(Code::RPI9102, message)
             .primary(fragment.origin.span, "has a budget")
-            .help("emit an image to keep it, or delete the budget if the text is enough")
+            .help("use the image (`rpic compile` without `--emit`) to keep it, or delete the budget if the text is enough")
     })
 }
 
-/// Diagnostic for mutually dependent clocks. In a `.rpinet` net all operations of a condition form one step, so flows
-/// of two clocks that depend on each other are a dependency cycle.
+/// Returns a diagnostic if flows of several clocks depend on one another, so that the net has a dependency cycle as a
+/// `.rpinet` file; `None` otherwise.
+///
+/// In such a file, all operations of a condition are evaluated in one step.
 fn clock_dependency_cycle(net: &Net) -> Option<Diagnostic> {
     if !net.fragments.iter().any(|fragment| fragment.is_clock) {
         return None;
@@ -201,16 +204,24 @@ fn clock_dependency_cycle(net: &Net) -> Option<Diagnostic> {
     let mut found = analyse(grouped, |_| false).ok()?.diagnostics.into_iter();
     let ring = found.find(|diagnostic| diagnostic.code == Code::RPI4001)?;
     let message = "flows of several clocks form a dependency cycle in a `.rpinet` net";
-    let diagnostic = Diagnostic::new(Code::RPI9102, message)
-        .primary(ring.span(), "part of the dependency cycle");
+    let mut diagnostic = Diagnostic::new(Code::RPI9102, message);
+    diagnostic.labels = ring.labels;
+    for (k, label) in diagnostic.labels.iter_mut().enumerate() {
+        label.text = match k {
+            0 => "depends on itself through the clocks of the flows",
+            _ => "also on the dependency cycle",
+        }
+        .to_owned();
+    }
     Some(
         diagnostic
-            .help("move the flow out of its clock and sample it where the other clock reads it"),
+            .note("in a net, all flows of one clock are computed in one step")
+            .help("use the image (`rpic compile` without `--emit`), in which each flow is a step of its own, or compute these flows in all cycles by `if` instead of `when`"),
     )
 }
 
-/// Diagnostics for mutually exclusive device ports, which a `.rpinet` file cannot express. Those of arms are known to
-/// the reference system.
+/// Returns diagnostics for pairs of written device ports that drive the same actuator, which a `.rpinet` file cannot
+/// express. The reference system knows such ports of arms.
 fn lost_alternatives(net: &Net) -> impl Iterator<Item = Diagnostic> + '_ {
     let written = |device: &str, port: &str| {
         let mut nodes = net.nodes.iter();
@@ -227,11 +238,11 @@ fn lost_alternatives(net: &Net) -> impl Iterator<Item = Diagnostic> + '_ {
         };
         let device = &group.device;
         let message = format!(
-            "the conflict of `{device}.{a}` and `{device}.{b}` is lost in the `.rpinet` text"
+            "a `.rpinet` net allows both `{device}.{a}` and `{device}.{b}` in one cycle"
         );
         let diagnostic =
             Diagnostic::new(Code::RPI9102, message).primary(first.origin.span, "set here");
-        let diagnostic = diagnostic.secondary(second.origin.span, "and here");
-        Some(diagnostic.help("set only one of the two, or emit an image, which keeps the conflict"))
+        let diagnostic = diagnostic.secondary(second.origin.span, "the same actuator, also set here");
+        Some(diagnostic.help("set only one of the two ports, or use the image (`rpic compile` without `--emit`), which allows only one of them per cycle"))
     })
 }

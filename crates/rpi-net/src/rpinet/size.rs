@@ -4,28 +4,28 @@ use super::parsed_text::{Argument, ArgumentValue, DefinitionKind, ParsedText};
 use crate::net::{Activation, FragmentId, Net};
 use std::collections::BTreeSet;
 
-/// Element counts of a net.
+/// Numbers of elements of a net, for comparisons of nets.
 #[derive(Clone, Copy, PartialEq, Eq, Default, Debug)]
 pub struct NetSize {
-    /// Number of nodes (calls of primitives) in all fragments.
+    /// Number of nodes (uses of primitives) in all fragments.
     pub primitives: usize,
     /// Number of fragments besides the root.
     pub fragments: usize,
     /// Number of fragments that are not always active.
     pub gated: usize,
-    /// Maximal nesting depth of fragments; 0 for the root alone.
+    /// Maximum nesting depth of fragments; 0 if there is only the root.
     pub depth: usize,
-    /// Number of connected in-ports of primitives and fragments.
+    /// Number of in-ports of primitives and fragments that are connected to an out-port.
     pub links: usize,
-    /// Number of different primitive types.
+    /// Number of different primitives that are used.
     pub types: usize,
     /// Length of the text in bytes; 0 for a net without text.
     pub bytes: usize,
 }
 
 impl NetSize {
-    /// Counts a net as it will run. A repeated definition counts once. A link counts once, at the primitive where it
-    /// ends, whatever borders it crosses.
+    /// Counts the elements of a net as it will run. A repeated definition counts once. A link counts once, at the
+    /// in-port of the primitive where it ends, whatever borders it crosses.
     #[must_use]
     pub fn from_net(net: &Net) -> NetSize {
         let linked = |n: &crate::net::Node| n.inputs.iter().filter(|i| i.port().is_some()).count();
@@ -47,8 +47,8 @@ impl NetSize {
         }
     }
 
-    /// Counts a text as the reference system does. A repeated definition counts twice, and every argument that is a
-    /// link counts.
+    /// Counts the elements of a text as the reference system does. A repeated definition counts twice, and each
+    /// argument that is a link counts.
     pub(super) fn from_text(text: &ParsedText<'_>) -> NetSize {
         let mut size = NetSize {
             fragments: text.fragments.len() - 1,
@@ -78,7 +78,7 @@ impl NetSize {
     }
 }
 
-/// Whether the arguments of a fragment contain its activation.
+/// Returns whether the arguments of a fragment contain the in-port that activates it.
 fn has_activation(text: &ParsedText<'_>, arguments: &[Argument]) -> bool {
     let mut names = arguments.iter().map(|a| text.str(a.name));
     names.any(|name| name == super::build::ACTIVATION)

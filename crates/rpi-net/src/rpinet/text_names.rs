@@ -6,27 +6,28 @@ use crate::fragment_tree::{FragmentTree, Item};
 use crate::net::{Activation, FragmentId, Input, Net, NodeId, PortRef, Restart, Termination};
 use std::collections::{BTreeSet, HashMap};
 
-/// Names that all elements of a net get in its text form.
+/// Names of all nodes, fragments and ports of a net in its text form.
 pub(super) struct TextNames<'a> {
     net: &'a Net,
     tree: &'a FragmentTree,
-    /// Text names that differ from those of the net, which may contain characters that the text does not allow.
+    /// Names of nodes whose name in the text differs from that in the net, because the text form does not allow it or
+    /// it is taken.
     node_names: HashMap<NodeId, String>,
     fragment_names: HashMap<FragmentId, String>,
     inputs: Vec<Border>,
     outputs: Vec<Border>,
 }
 
-/// Ports on the border of a fragment in the text: in-ports or out-ports.
+/// In-ports, or out-ports, of a fragment in the text form.
 #[derive(Clone, Default)]
 struct Border {
     ports: Vec<(String, Input)>,
-    /// Index of the first port that carries a flow.
+    /// Index in `ports` of the first port that carries a flow.
     port_of_flow: HashMap<PortRef, usize>,
 }
 
 impl<'a> TextNames<'a> {
-    /// Assigns all names: declared ports first, then further ports that links need.
+    /// Assigns all names: first those of declared ports, then those of further ports that links across borders need.
     pub(super) fn new(net: &'a Net, tree: &'a FragmentTree) -> Self {
         let mut ports = TextNames {
             net,
@@ -46,22 +47,22 @@ impl<'a> TextNames<'a> {
         ports
     }
 
-    /// In-ports of a fragment with their sources, in order.
+    /// Returns the in-ports of a fragment in order, with names and sources.
     pub(super) fn inputs(&self, fragment: FragmentId) -> &[(String, Input)] {
         &self.inputs[fragment.index()].ports
     }
 
-    /// Out-ports of a fragment with their sources, in order.
+    /// Returns the out-ports of a fragment in order, with names and sources.
     pub(super) fn outputs(&self, fragment: FragmentId) -> &[(String, Input)] {
         &self.outputs[fragment.index()].ports
     }
 
-    /// Name of the in-port of a fragment that carries a flow.
+    /// Returns the name of the in-port of a fragment that carries a flow; empty if there is none.
     pub(super) fn input(&self, fragment: FragmentId, port: PortRef) -> &str {
         self.inputs[fragment.index()].name_of(port)
     }
 
-    /// Name of the out-port of a fragment that carries a flow.
+    /// Returns the name of the out-port of a fragment that carries a flow; empty if there is none.
     pub(super) fn output(&self, fragment: FragmentId, port: PortRef) -> &str {
         self.outputs[fragment.index()].name_of(port)
     }
@@ -78,8 +79,8 @@ impl<'a> TextNames<'a> {
             .map_or_else(own, String::as_str)
     }
 
-    /// Assigns text names to the nodes and fragments in a fragment. A name changes if the text form does not allow it
-    /// or another one has it.
+    /// Assigns text names to the nodes and child fragments of a fragment. A name is changed if the text form does not
+    /// allow it or another element has it.
     fn name_items(&mut self, fragment: FragmentId) {
         let mut taken = BTreeSet::from([PARENT.to_owned()]);
         for item in self.tree.items(fragment) {
@@ -115,7 +116,7 @@ impl<'a> TextNames<'a> {
         }
     }
 
-    /// Adds the border ports that a link from a flow to the fragment `scope` needs.
+    /// Adds the ports on borders that a link from the flow `port` to a reader in the fragment `scope` needs.
     fn route(&mut self, scope: FragmentId, port: PortRef) {
         let (tree, origin) = (self.tree, self.net.node(port.node).fragment);
         let common = tree.common_ancestor(scope, origin);
@@ -137,7 +138,7 @@ impl Border {
         self.ports.push((free_name(name, &taken), source));
     }
 
-    /// Adds a port that carries a flow unless one exists.
+    /// Adds a port that carries a flow, unless there is one. `prefix` begins its name.
     fn add_if_missing(&mut self, prefix: &str, port: PortRef) {
         if !self.port_of_flow.contains_key(&port) {
             let mut number = self.ports.len();
@@ -156,7 +157,7 @@ impl Border {
     }
 }
 
-/// All flows that are read, each with the fragment of the reader.
+/// Returns all flows that are read, each with the fragment that contains the reader.
 fn flow_reads(net: &Net) -> impl Iterator<Item = (FragmentId, PortRef)> + '_ {
     let nodes = net.nodes.iter().flat_map(|n| {
         let inputs = n.inputs.iter().filter_map(Input::port);
@@ -190,7 +191,7 @@ fn flow_reads(net: &Net) -> impl Iterator<Item = (FragmentId, PortRef)> + '_ {
         .chain(driver.map(|p| (FragmentId::ROOT, p)))
 }
 
-/// Returns a name like `preferred` that is not taken and contains only letters, digits, `_` and `:`.
+/// Returns a name similar to `preferred` that is not in `taken` and contains only letters, digits, `_` and `:`.
 fn free_name(preferred: &str, taken: &BTreeSet<String>) -> String {
     let is_valid = |c: char| c.is_ascii_alphanumeric() || c == '_' || c == ':';
     let clean: String = preferred

@@ -4,10 +4,9 @@ use rpi_image::{ParamType, Type, Value};
 use rpi_literal::LiteralError;
 use std::borrow::Cow;
 
-/// Parses the text of a parameter of a primitive.
+/// Parses the text that a net gives to a parameter of a primitive.
 ///
 /// # Errors
-///
 /// Returns an error if the text is not a value of the type.
 pub(super) fn parse(text: &str, ty: ParamType) -> Result<Value, LiteralError> {
     match ty {
@@ -29,7 +28,7 @@ pub(super) fn parse(text: &str, ty: ParamType) -> Result<Value, LiteralError> {
     }
 }
 
-/// Formats a parameter such that [`parse`] reads it back.
+/// Returns the text of a parameter's value, which [`parse`] reads back to the same value.
 #[must_use]
 pub fn write(value: &Value) -> String {
     match value {
@@ -38,7 +37,7 @@ pub fn write(value: &Value) -> String {
     }
 }
 
-/// Returns the neutral value of a parameter type: zero or empty.
+/// Returns the neutral value of a parameter type: 0, false or empty.
 pub(super) fn neutral(ty: ParamType) -> Value {
     match ty {
         ParamType::Str => Value::Str(String::new()),
@@ -46,8 +45,8 @@ pub(super) fn neutral(ty: ParamType) -> Value {
     }
 }
 
-/// Returns the type that a flow with the value of a parameter would have; arrays are empty. A text has none; the type
-/// returned for it is not used.
+/// Returns the type that a flow with the value of a parameter would have. Arrays have the size 0. A parameter that is a
+/// text has no such type; the returned type is not used.
 pub(super) fn flow_type(ty: ParamType) -> Type {
     match ty {
         ParamType::Scalar(scalar) => Type::Scalar(scalar),
@@ -63,12 +62,13 @@ fn absent_error() -> LiteralError {
     }
 }
 
-/// Restores the `[` of an empty array, which the reference system drops.
+/// Returns the text of an empty array with the `[` that the reference system leaves out; other texts are unchanged.
 fn restore_bracket(text: &str) -> &str {
     if text.trim() == "]" { "[]" } else { text }
 }
 
-/// Resolves the escapes `\'` and `\\`. Other backslashes are literal, as the reference system writes them.
+/// Returns the text with the escapes `\'` and `\\` resolved. Other backslashes are literal, as in the texts of the
+/// reference system.
 fn unescape(text: &str) -> Cow<'_, str> {
     if !text.contains('\\') {
         return Cow::Borrowed(text);

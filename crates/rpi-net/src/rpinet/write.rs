@@ -14,7 +14,8 @@ use crate::net::{FragmentId, Input, Net, NodeId, PortRef, Termination};
 use rpi_image::{Fallback, InPort, Value};
 use std::fmt::Write;
 
-/// Formats a net as text. It must end by ports ([`super::results_to_ports`] converts results to ports).
+/// Returns a net as text. The net must end by ports; [`super::results_to_ports`] converts the results of a command to
+/// ports.
 pub(super) fn write(net: &Net, tree: &FragmentTree) -> String {
     let mut writer = Writer {
         net,
@@ -37,7 +38,7 @@ struct Writer<'a> {
 }
 
 impl Writer<'_> {
-    /// Writes `{..}` with the contents of a fragment.
+    /// Writes the contents of a fragment in braces.
     fn body(&mut self, fragment: FragmentId) {
         self.open('{');
         for item in self.tree.items(fragment) {
@@ -89,7 +90,7 @@ impl Writer<'_> {
         self.close(')');
     }
 
-    /// Writes the parameters that replace an in-port.
+    /// Writes the parameters that stand for a constant at an in-port.
     fn default_parameters(&mut self, port: &InPort, constant: &Value) {
         match port.fallback {
             _ if lacks_reference_parameter(port) => {}
@@ -115,7 +116,7 @@ impl Writer<'_> {
         }
     }
 
-    /// Writes `name=source` for a source as seen in the fragment `scope`.
+    /// Writes `name=source` for the source of a port as seen in the fragment `scope`.
     fn link(&mut self, name: &str, scope: FragmentId, source: &Input) {
         match source {
             Input::Unconnected => {}
@@ -134,7 +135,7 @@ impl Writer<'_> {
         }
     }
 
-    /// Writes a flow by its name in the fragment `scope`.
+    /// Writes the reference to a flow as seen in the fragment `scope`: `node.port`, `fragment.port` or `parent.port`.
     fn reference(&mut self, scope: FragmentId, port: PortRef) {
         let origin = self.net.node(port.node).fragment;
         if origin == scope {
@@ -179,7 +180,7 @@ impl Writer<'_> {
     }
 }
 
-/// Whether an input is written as a link: a flow, or a constant that no parameter can express.
+/// Returns whether the source of an in-port is written as a link: a flow, or a constant that no parameter can express.
 fn is_linked(port: &InPort, input: &Input) -> bool {
     let Input::Const(constant) = input else {
         return input.port().is_some();
@@ -192,7 +193,7 @@ fn is_linked(port: &InPort, input: &Input) -> bool {
     }
 }
 
-/// Whether the reference system has no parameter that replaces this in-port, although this system has.
+/// Returns whether the reference system has no parameter that replaces this in-port, although this system has one.
 fn lacks_reference_parameter(port: &InPort) -> bool {
     port.name == "inReset"
 }

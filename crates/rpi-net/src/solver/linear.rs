@@ -6,7 +6,7 @@ use super::simplex::{Feasibility, Simplex};
 use rustc_hash::FxHashMap;
 use std::collections::BTreeMap;
 
-/// Linear term: a sum of variables with coefficients, sorted by variable, plus a constant.
+/// Linear term: a sum of solver variables with coefficients, sorted by variable, plus a constant.
 #[derive(Clone, PartialEq, Eq, Hash, Debug, Default)]
 pub(crate) struct LinearTerm {
     pub(crate) terms: Vec<(usize, i64)>,
@@ -44,7 +44,8 @@ impl LinearTerm {
     }
 }
 
-/// Literal of the SAT solver that is true exactly if a simplex variable is at most a bound.
+/// Comparison of a simplex variable with a bound, represented by a literal of the SAT solver that is true exactly if
+/// the variable is at most the bound.
 #[derive(Clone, Copy, Debug)]
 struct Atom {
     lit: Lit,
@@ -52,18 +53,18 @@ struct Atom {
     bound: i128,
 }
 
-/// Theory of linear integer arithmetic: all comparisons of a problem, decided by simplex.
+/// Theory of linear integer arithmetic: all comparisons of a problem, which the simplex method decides.
 #[derive(Debug, Default)]
 pub(crate) struct LinearTheory {
     simplex: Simplex,
     sums: FxHashMap<Vec<(usize, i64)>, usize>,
     atoms: Vec<Atom>,
-    /// For each simplex variable, its literals by bound.
+    /// For each simplex variable, the literals of its upper bounds.
     bounds: FxHashMap<usize, BTreeMap<i128, Lit>>,
 }
 
 impl LinearTheory {
-    /// Adds an integer variable with inclusive bounds.
+    /// Adds an integer variable from `low` to `high`, both included, and returns its index.
     pub(crate) fn variable(&mut self, low: i64, high: i64) -> usize {
         self.simplex.variable(i128::from(low), i128::from(high))
     }
@@ -101,7 +102,8 @@ impl LinearTheory {
         })
     }
 
-    /// Returns the simplex variable for a sum; adds one if needed.
+    /// Returns the index of the simplex variable for a sum of variables with factors, which is added if needed; `None`
+    /// on overflow.
     fn variable_for_sum(&mut self, terms: Vec<(usize, i64)>) -> Option<usize> {
         if let [(variable, 1)] = terms[..] {
             return Some(variable);
@@ -122,7 +124,8 @@ impl LinearTheory {
         Some(sum)
     }
 
-    /// Returns the literal of an upper bound. Clauses relate it to the next smaller and the next greater bound.
+    /// Returns the literal that is true exactly if a variable is at most a bound. Clauses relate it to the literals of
+    /// the next smaller and the next greater bound.
     fn at_most(&mut self, sat: &mut Sat, variable: usize, bound: i128) -> Lit {
         let (low, high) = self.simplex.limits(variable);
         if bound < low || bound >= high {
@@ -148,17 +151,19 @@ impl LinearTheory {
         lit
     }
 
-    /// Number of comparisons and variables that a feasibility check visits.
+    /// Returns the number of comparisons and variables that each feasibility check visits.
     pub(crate) fn size(&self) -> usize {
         self.atoms.len() + self.simplex.size()
     }
 
-    /// Cost of the last feasibility check, in steps, besides the visit of each comparison.
+    /// Returns the cost of the last feasibility check in steps of the SAT search, without the cost of visiting each
+    /// comparison.
     pub(crate) fn work(&self) -> u64 {
         self.simplex.work()
     }
 
-    /// Checks whether the comparisons that an assignment makes true have an integer solution.
+    /// Checks whether the comparisons that the assignment of the SAT solver makes true or false have an integer
+    /// solution.
     pub(crate) fn check(&mut self, sat: &Sat) -> Feasibility {
         let bounds: Vec<(usize, i128, bool, Lit)> = self
             .atoms
@@ -173,7 +178,7 @@ impl LinearTheory {
         self.simplex.check(&bounds)
     }
 
-    /// Value of a sum in the last solution; `None` if it is not an integer or overflows.
+    /// Returns the value of a linear term in the last solution; `None` if it is not an integer or overflows.
     pub(crate) fn value(&self, sum: &LinearTerm) -> Option<i128> {
         let mut total = i128::from(sum.constant);
         for (variable, factor) in &sum.terms {

@@ -15,10 +15,10 @@ use sat::Sat;
 pub(crate) use sat::{Lit, SatResult};
 use simplex::Feasibility;
 
-/// Cost of a check of the comparisons, in steps per comparison and variable.
+/// Cost of a feasibility check, in steps of the SAT search per comparison and variable.
 const STEPS_PER_COMPARISON: u64 = 8;
 
-/// Incremental SAT solver with linear integer arithmetic: a problem, and its last solution.
+/// Incremental SAT solver with linear integer arithmetic, and its last solution.
 #[derive(Debug)]
 pub(crate) struct Solver {
     sat: Sat,
@@ -35,12 +35,12 @@ impl Solver {
         }
     }
 
-    /// Adds a Boolean variable.
+    /// Adds a Boolean variable and returns its literal.
     pub(crate) fn new_bool(&mut self) -> Lit {
         self.sat.fresh()
     }
 
-    /// Number of Boolean variables, a measure of the cost of building the problem.
+    /// Returns the number of Boolean variables, as a measure of the size of the problem.
     pub(crate) fn size(&self) -> usize {
         self.sat.len()
     }
@@ -99,17 +99,19 @@ impl Solver {
         self.or(left, right)
     }
 
-    /// Adds an integer variable with inclusive bounds and returns its index.
+    /// Adds an integer variable from `low` to `high`, both included, and returns its index.
     pub(crate) fn integer(&mut self, low: i64, high: i64) -> usize {
         self.comparisons.variable(low, high)
     }
 
-    /// Returns a literal that is true exactly if the sum is at most 0. On overflow, the literal is unconstrained.
+    /// Returns a literal that is true exactly if the term is at most 0. If the computation overflows, the literal is
+    /// unconstrained.
     pub(crate) fn at_most_zero(&mut self, sum: &LinearTerm) -> Lit {
         self.at_most(sum, 0)
     }
 
-    /// Returns a literal that is true exactly if the sum fits in `i64`. On overflow, the literal is unconstrained.
+    /// Returns a literal that is true exactly if the value of the term fits in `i64`. If the computation overflows, the
+    /// literal is unconstrained.
     pub(crate) fn fits(&mut self, sum: &LinearTerm) -> Lit {
         let is_low = self.at_most(sum, i128::from(i64::MAX));
         let is_too_low = self.at_most(sum, i128::from(i64::MIN) - 1);
@@ -123,7 +125,9 @@ impl Solver {
         }
     }
 
-    /// Searches for a solution under assumptions. Subtracts the steps taken from `steps`.
+    /// Searches for a solution in which all literals `assumptions` are true. Subtracts the steps taken from `steps`.
+    ///
+    /// A solution whose arithmetic could not be decided also counts as a solution.
     pub(crate) fn solve(&mut self, assumptions: &[Lit], steps: &mut u64) -> SatResult {
         loop {
             match self.sat.search(assumptions, steps) {
@@ -146,12 +150,12 @@ impl Solver {
         }
     }
 
-    /// Truth value of a literal in the last solution.
+    /// Returns the truth value of a literal in the last solution; `None` if it has none.
     pub(crate) fn value(&self, lit: Lit) -> Option<bool> {
         self.sat.value(lit)
     }
 
-    /// Value of a sum in the last solution.
+    /// Returns the value of a linear term in the last solution; `None` if it is not an integer or overflows.
     pub(crate) fn sum(&self, sum: &LinearTerm) -> Option<i128> {
         self.comparisons.value(sum)
     }

@@ -2,7 +2,7 @@
 
 use std::cmp::Ordering;
 
-/// Fraction in lowest terms with a positive denominator.
+/// Rational number as a fraction in lowest terms with a positive denominator.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub(crate) struct Rational {
     numerator: i128,
@@ -56,7 +56,7 @@ impl Rational {
         )
     }
 
-    /// Quotient; `None` for the divisor 0 and on overflow.
+    /// Returns the quotient; `None` for the divisor 0 and on overflow.
     pub(crate) fn div(self, other: Rational) -> Option<Rational> {
         if other.numerator == 0 {
             return None;
@@ -79,7 +79,7 @@ impl Rational {
         self.numerator > 0
     }
 
-    /// Value as an integer; `None` if it is not one.
+    /// Returns the value as an integer; `None` if the fraction is not an integer.
     pub(crate) fn as_int(self) -> Option<i128> {
         (self.denominator == 1).then_some(self.numerator)
     }
@@ -88,7 +88,7 @@ impl Rational {
         self.denominator
     }
 
-    /// Greatest integer that is at most the fraction.
+    /// Returns the greatest integer that is at most the fraction.
     pub(crate) fn floor(self) -> i128 {
         self.numerator.div_euclid(self.denominator)
     }
@@ -104,7 +104,7 @@ impl Rational {
     }
 }
 
-/// Non-negative greatest common divisor; `None` on overflow.
+/// Returns the non-negative greatest common divisor; `None` on overflow.
 pub(crate) fn gcd(a: i128, b: i128) -> Option<i128> {
     let (mut a, mut b) = (a.checked_abs()?, b.checked_abs()?);
     while b != 0 {

@@ -8,13 +8,14 @@ use std::cmp::Reverse;
 use std::collections::BinaryHeap;
 use std::ops::Not;
 
-/// Boolean variable or its negation. The lowest bit is the sign.
+/// Literal of the SAT solver: a Boolean variable or its negation. The lowest bit is 1 for the negation.
 #[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Debug)]
 pub(crate) struct Lit(u32);
 
 impl Lit {
-    /// True literal: variable 0 is fixed to true.
+    /// Literal that is always true: variable 0 is fixed to true.
     pub(crate) const TRUE: Lit = Lit(0);
+    /// Literal that is always false, the negation of [`Lit::TRUE`].
     pub(crate) const FALSE: Lit = Lit(1);
 
     pub(crate) fn constant(value: bool) -> Lit {
@@ -29,7 +30,7 @@ impl Lit {
         self.0 & 1 == 1
     }
 
-    /// Truth value of the literal if its variable has the value `value`.
+    /// Returns the truth value of the literal if its variable has the value `value`.
     fn under(self, value: bool) -> bool {
         value != self.is_negated()
     }
@@ -46,32 +47,35 @@ impl Not for Lit {
     }
 }
 
-/// Answer of the SAT solver: satisfiable, unsatisfiable or undecided.
+/// Result of a search of the SAT solver: satisfiable, unsatisfiable or undecided.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub(crate) enum SatResult {
     Sat,
     Unsat,
-    /// The step budget is exhausted.
+    /// Undecided, because the step budget is exhausted.
     Unknown,
 }
 
-/// Reason index of a variable that no clause implies: a decision or a fact.
+/// Index that stands for "no clause" as the reason of a variable's value: the value is a decision or a fact.
 const NONE: u32 = u32::MAX;
-/// Growth factor of the activity increment per conflict (VSIDS).
+/// Factor by which a conflict counts more than the previous one in the choice of the next variable (VSIDS).
 const DECAY: f64 = 1.0 / 0.95;
+/// Activity of a variable above which all activities are scaled down, so that they stay finite.
 const LARGE: f64 = 1e100;
-/// Cost of a decision in steps: it is queued, and undone later.
+/// Cost of a decision in steps of the search: the decision is queued, and undone later.
 const STEPS_PER_DECISION: u64 = 4;
 
-/// Number of variables that a conflict marks in the time of one step.
+/// Number of variables that the analysis of a conflict visits in the time of one step of the search.
 const VARIABLES_PER_STEP: u64 = 32;
 
-/// Boolean satisfiability problem with the state of its search: clauses and a partial assignment. `limits` holds the
-/// trail length at each decision.
+/// Boolean satisfiability problem with the state of its search: the clauses and a partial assignment.
+///
+/// `trail` holds the true literals in the order of their assignment, and `decision_starts` its length at each decision.
 #[derive(Debug)]
 pub(crate) struct Sat {
     clauses: Vec<Vec<Lit>>,
-    /// For each literal, the clauses that watch it. They are visited when the literal becomes false.
+    /// For each literal, the indices of the clauses that watch it. These clauses are visited when the literal becomes
+    /// false.
     watches: Vec<Vec<u32>>,
     values: Vec<Option<bool>>,
     levels: Vec<u32>,
@@ -79,7 +83,7 @@ pub(crate) struct Sat {
     phases: Vec<bool>,
     activity: Vec<f64>,
     bump: f64,
-    /// Candidates for the next decision, by activity. Outdated entries are skipped.
+    /// Variables that may be decided next, by activity. Entries that are out of date are skipped.
     queue: BinaryHeap<(u64, Reverse<u32>)>,
     trail: Vec<Lit>,
     decision_starts: Vec<usize>,
@@ -109,7 +113,7 @@ impl Sat {
         sat
     }
 
-    /// Adds a variable and returns its positive literal.
+    /// Adds a Boolean variable and returns its positive literal.
     pub(crate) fn fresh(&mut self) -> Lit {
         let var = u32::try_from(self.values.len()).unwrap_or(u32::MAX >> 1);
         self.watches.extend([Vec::new(), Vec::new()]);
@@ -122,12 +126,12 @@ impl Sat {
         Lit(var << 1)
     }
 
-    /// Number of variables.
+    /// Returns the number of Boolean variables.
     pub(crate) fn len(&self) -> usize {
         self.values.len()
     }
 
-    /// Truth value of a literal in the current assignment.
+    /// Returns the truth value of a literal in the current assignment; `None` if its variable is not assigned.
     pub(crate) fn value(&self, lit: Lit) -> Option<bool> {
         self.values[lit.var()].map(|value| lit.under(value))
     }
@@ -152,8 +156,10 @@ impl Sat {
         }
     }
 
-    /// Searches for an assignment of all variables that satisfies all clauses and the assumptions. Subtracts one step
-    /// from `steps` for each clause visited. After `Sat`, the assignment is kept until clauses are added.
+    /// Searches for an assignment of all variables that satisfies all clauses and makes the literals `assumptions`
+    /// true. Subtracts one step from `steps` for each clause visited.
+    ///
+    /// After [`SatResult::Sat`], the assignment remains until a clause is added.
     pub(crate) fn search(&mut self, assumptions: &[Lit], steps: &mut u64) -> SatResult {
         self.backtrack(0);
         loop {
@@ -180,8 +186,8 @@ impl Sat {
         }
     }
 
-    /// Returns the next assumption or decision; an error if an assumption is false; `None` if all variables are
-    /// assigned.
+    /// Returns the next literal to assign, an assumption or a decision. `None` if all variables are assigned; an error
+    /// if an assumption is false.
     fn next_decision(&mut self, assumptions: &[Lit]) -> Option<Result<Lit, ()>> {
         if let Some(&assumed) = assumptions.get(self.decision_starts.len()) {
             return Some(match self.value(assumed) {
@@ -198,7 +204,7 @@ impl Sat {
         None
     }
 
-    /// Starts a new level with a decision or assumption.
+    /// Assigns a decision or assumption, which begins a new decision level.
     fn decide(&mut self, decision: Lit) {
         self.decision_starts.push(self.trail.len());
         // An assumption that is already true gets an empty level, since levels index the assumptions.
@@ -223,7 +229,8 @@ impl Sat {
         self.trail.push(lit);
     }
 
-    /// Unit propagation. Returns a clause whose literals are all false, if there is one.
+    /// Assigns the literals that the clauses imply (unit propagation). Returns the index of a clause whose literals are
+    /// all false; `None` if there is none. Subtracts one step from `steps` for each clause visited.
     fn propagate(&mut self, steps: &mut u64) -> Option<u32> {
         while let Some(&lit) = self.trail.get(self.propagation_head) {
             self.propagation_head += 1;
@@ -247,8 +254,8 @@ impl Sat {
         None
     }
 
-    /// Searches for another literal that the clause can watch. Returns whether it still watches `falsified`, and
-    /// whether all its literals are false.
+    /// Lets the clause with the index `id` watch another literal than `falsified`, which has become false. Returns
+    /// whether the clause still watches `falsified`, and whether all its literals are false.
     fn update_watch(&mut self, id: u32, falsified: Lit) -> (bool, bool) {
         let at = id as usize;
         if self.clauses[at][0] == falsified {
@@ -275,8 +282,8 @@ impl Sat {
         }
     }
 
-    /// Learns the first unique implication point of a conflict and backtracks to the level where the learnt clause is
-    /// unit.
+    /// Learns a clause from a conflict (first unique implication point), and returns to the decision level at which
+    /// that clause implies a literal.
     fn resolve(&mut self, conflict: u32) {
         let (learnt, level) = self.analyse(conflict);
         self.backtrack(level);
@@ -328,8 +335,8 @@ impl Sat {
         (learnt, level)
     }
 
-    /// Moves the literal of the highest level, except the asserted one, to the second place, where it is watched.
-    /// Returns that level.
+    /// Moves the literal with the highest decision level, except the first one of a learnt clause, to the second place,
+    /// where it is watched. Returns that level; 0 for a single literal.
     fn second_highest_first(&self, learnt: &mut [Lit]) -> usize {
         let level = |lit: &Lit| self.levels[lit.var()];
         let highest = (1..learnt.len()).max_by_key(|k| (level(&learnt[*k]), Reverse(*k)));

@@ -9,14 +9,15 @@ use super::sat::Lit;
 use std::cmp::Ordering;
 use std::collections::BTreeMap;
 
-/// Maximal number of branches per feasibility check that make the variables integers.
+/// Maximum number of branches in a feasibility check (branch and bound, which makes the variables integers). Beyond it,
+/// the result is unknown.
 const BRANCHES: usize = 40;
-/// Maximal number of pivots per feasibility check.
+/// Maximum number of pivots in a feasibility check. Beyond it, the result is unknown.
 const PIVOTS: usize = 2_000;
-/// Cost of an update of a row, in steps of the SAT search.
+/// Cost of an update of a tableau row, in steps of the SAT search.
 const STEPS_PER_ROW: u64 = 8;
 
-/// Reason for a bound of a variable, from which conflicts are explained.
+/// Reason for a bound of a variable. Conflicts are explained by the reasons of their bounds.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 enum Reason {
     Always,
@@ -25,16 +26,16 @@ enum Reason {
     Branch(usize),
 }
 
-/// Result of a feasibility check of linear constraints.
+/// Result of a feasibility check: whether linear constraints have an integer solution.
 #[derive(Clone, PartialEq, Eq, Debug)]
 pub(crate) enum Feasibility {
     Feasible,
-    /// Infeasible: these literals cannot all be true.
+    /// There is no solution: these literals, whose bounds conflict, cannot all be true.
     Infeasible(Vec<Lit>),
     Unknown,
 }
 
-/// Reason for which a check ends early: a conflict between bounds, or an unknown result.
+/// Cause for which a feasibility check ends without a solution: a conflict between bounds, or an undecided result.
 enum CheckError {
     Conflict(Vec<Reason>),
     Unknown,
@@ -49,18 +50,18 @@ struct Variable {
     value: Rational,
     lower: Bound,
     upper: Bound,
-    /// Bounds that always hold, inclusive.
+    /// Lowest and highest value of the variable in any check.
     limits: (i128, i128),
 }
 
 type Row = BTreeMap<usize, Rational>;
 
-/// Simplex tableau: variables with bounds, and rows that each define a basic variable as a sum of non-basic ones.
+/// Simplex tableau: variables with bounds, and rows that each define a basic variable as a sum of non-basic variables.
 #[derive(Debug, Default)]
 pub(crate) struct Simplex {
     variables: Vec<Variable>,
     rows: BTreeMap<usize, Row>,
-    /// Original definition of each sum over variables that are not sums.
+    /// For each variable that equals a sum, the sum over the variables with which it was created.
     definitions: BTreeMap<usize, Row>,
     pivots: usize,
     branches: usize,
@@ -70,7 +71,7 @@ fn or_unknown<T>(value: Option<T>) -> Result<T, CheckError> {
     value.ok_or(CheckError::Unknown)
 }
 
-/// Least common denominator of the factors of a row.
+/// Returns the least common denominator of the factors in a row.
 fn common_denominator(row: &Row) -> Result<i128, CheckError> {
     let mut common: i128 = 1;
     for factor in row.values() {
@@ -82,7 +83,7 @@ fn common_denominator(row: &Row) -> Result<i128, CheckError> {
 }
 
 impl Simplex {
-    /// Adds a variable with inclusive bounds.
+    /// Adds a variable from `low` to `high`, both included, and returns its index.
     pub(crate) fn variable(&mut self, low: i128, high: i128) -> usize {
         self.variables.push(Variable {
             value: Rational::from_int(0.clamp(low, high)),
@@ -93,22 +94,23 @@ impl Simplex {
         self.variables.len() - 1
     }
 
-    /// Number of variables.
+    /// Returns the number of variables of the tableau.
     pub(crate) fn size(&self) -> usize {
         self.variables.len()
     }
 
-    /// Approximate cost of the last feasibility check, in steps of the SAT search.
+    /// Returns the approximate cost of the last feasibility check, in steps of the SAT search.
     pub(crate) fn work(&self) -> u64 {
         (self.pivots + self.branches) as u64 * (self.rows.len() as u64 + 1) * STEPS_PER_ROW
     }
 
-    /// Bounds of a variable that always hold, inclusive.
+    /// Returns the lowest and the highest value of a variable in any check.
     pub(crate) fn limits(&self, variable: usize) -> (i128, i128) {
         self.variables[variable].limits
     }
 
-    /// Adds a variable that equals a sum; `None` on overflow.
+    /// Adds a variable that equals a sum of variables with factors, and returns its index; `None` on overflow. `limits`
+    /// are the lowest and the highest value of the sum.
     pub(crate) fn sum(&mut self, terms: &[(usize, i64)], limits: (i128, i128)) -> Option<usize> {
         let mut row = Row::new();
         let mut definition = Row::new();
@@ -129,7 +131,7 @@ impl Simplex {
         Some(new)
     }
 
-    /// Resets all bounds to those that always hold.
+    /// Resets the bounds of all variables to their limits, which hold in any check.
     pub(crate) fn reset(&mut self) {
         for variable in &mut self.variables {
             variable.lower = Some((variable.limits.0, Reason::Always));
@@ -138,8 +140,8 @@ impl Simplex {
         (self.pivots, self.branches) = (0, 0);
     }
 
-    /// Asserts bounds and checks feasibility. Each bound consists of a variable, its value, whether it is an upper
-    /// bound, and its literal.
+    /// Checks whether there is an integer solution within bounds. Each bound consists of the variable, the value,
+    /// whether it is an upper bound, and the literal that asserts it.
     pub(crate) fn check(&mut self, bounds: &[(usize, i128, bool, Lit)]) -> Feasibility {
         self.reset();
         let mut asserted = bounds.iter();
@@ -164,8 +166,8 @@ impl Simplex {
         }
     }
 
-    /// Restores the rows of the tableau from the definitions of the sums: a pivot that overflows ends half-way and
-    /// leaves the rows inconsistent.
+    /// Restores the rows of the tableau from the definitions of the sums. A pivot that overflows leaves the rows
+    /// inconsistent.
     fn restore_rows(&mut self) {
         self.rows.clone_from(&self.definitions);
         for variable in &mut self.variables {
@@ -174,7 +176,7 @@ impl Simplex {
         }
     }
 
-    /// Integer value of a variable after a check; `None` if the value is not an integer.
+    /// Returns the value of a variable after a check; `None` if the value is not an integer.
     pub(crate) fn value(&self, variable: usize) -> Option<i128> {
         self.variables[variable].value.as_int()
     }
@@ -214,7 +216,7 @@ impl Simplex {
         }
     }
 
-    /// Sets a non-basic variable and updates all basic ones.
+    /// Sets the value of the non-basic variable `at` and updates all basic ones.
     fn update(&mut self, at: usize, value: Rational) -> CheckResult {
         let change = or_unknown(value.sub(self.variables[at].value))?;
         self.variables[at].value = value;
@@ -227,7 +229,8 @@ impl Simplex {
         Ok(())
     }
 
-    /// First basic variable outside its bounds, with the bound to move to and whether it lies above.
+    /// Returns the first basic variable outside of its bounds, the bound that it must reach, and whether its value must
+    /// grow. `None` if all are within their bounds.
     fn violation(&self) -> Result<Option<(usize, i128, bool)>, CheckError> {
         for basic in self.rows.keys() {
             let variable = &self.variables[*basic];
@@ -261,8 +264,10 @@ impl Simplex {
         Ok(())
     }
 
-    /// First non-basic variable by which the basic one can be moved up or down. Choosing the first one guarantees
-    /// termination (Bland 1977).
+    /// Returns the first non-basic variable whose change moves the basic variable `basic` up (`upwards`) or down;
+    /// `None` if none can change.
+    ///
+    /// The choice of the first one guarantees termination (Bland 1977).
     fn entering(&self, basic: usize, upwards: bool) -> Option<usize> {
         let row = self.rows.get(&basic)?;
         let can_move = |(at, factor): &(&usize, &Rational)| {
@@ -287,7 +292,7 @@ impl Simplex {
         own.into_iter().chain(others).map(|(_, why)| why).collect()
     }
 
-    /// Exchanges `basic` for `entering`; `basic` takes the value `target`.
+    /// Makes `entering` a basic variable in place of `basic`, which gets the value `target`.
     fn pivot(&mut self, basic: usize, entering: usize, target: i128) -> CheckResult {
         let Some(mut row) = self.rows.remove(&basic) else {
             return Err(CheckError::Unknown);
@@ -312,7 +317,7 @@ impl Simplex {
         self.recompute()
     }
 
-    /// Computes the values of all basic variables from the non-basic ones.
+    /// Computes the values of all basic variables from those of the non-basic ones.
     fn recompute(&mut self) -> CheckResult {
         for (basic, row) in &self.rows {
             let mut sum = Rational::ZERO;
@@ -325,7 +330,8 @@ impl Simplex {
         Ok(())
     }
 
-    /// Divisibility (GCD) test: whether each row has an integer solution when variables with equal bounds are fixed.
+    /// Divisibility (GCD) test: returns a conflict if a row has no integer solution, given the variables whose bounds
+    /// are equal.
     fn check_divisibility(&self) -> CheckResult {
         for (basic, row) in &self.rows {
             let scale = common_denominator(row)?;
@@ -357,7 +363,8 @@ impl Simplex {
         (low == high).then_some((low, [why, because]))
     }
 
-    /// Branches until all variables are integers.
+    /// Searches a solution in which all variables are integers by branch and bound. `depth` is the number of branches
+    /// around this one.
     fn branch(&mut self, depth: usize) -> CheckResult {
         let fraction = (0..self.variables.len()).find(|at| self.value(*at).is_none());
         let Some(at) = fraction else {

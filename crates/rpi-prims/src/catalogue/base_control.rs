@@ -9,10 +9,11 @@ use core::f64::consts::{FRAC_PI_2, PI};
 
 pub(super) const ALL: &[Prim] = &[OMNIDIRECTIONAL, DIFFERENTIAL];
 
-/// Distance (m) and angle (rad) within which a goal counts as reached. Also the velocity (m/s, rad/s) that counts as
-/// rest.
+/// Distance (m) and angle (rad) within which a goal counts as reached; also the velocity (m/s, rad/s) up to which the
+/// platform counts as at rest.
 const GOAL_TOLERANCE: f64 = 1e-3;
-/// Angle between heading and goal (rad) below which a differential drive moves straight.
+/// Angle between heading and bearing of the goal (rad) up to which a differential drive moves straight instead of
+/// turning on the spot.
 const HEADING_TOLERANCE: f64 = 0.1;
 
 primitive! {
@@ -58,8 +59,8 @@ primitive! {
     }
 }
 
-/// Returns the remaining error in the plane: distance (m), bearing in platform coordinates (rad) and difference of
-/// orientation (rad).
+/// Returns the remaining error in the plane: distance (m), bearing of the goal in platform coordinates (rad) and
+/// difference of orientation (rad).
 fn planar_error(position: Pose, goal: Pose) -> (f64, f64, f64) {
     let (heading, wanted) = (
         geometry::to_abc(position.rotation).0,
@@ -95,7 +96,7 @@ fn differential(
     planar_twist(if backwards { -speed } else { speed }, 0.0, 0.0)
 }
 
-/// Returns the equal angle in the range -π to π, rad.
+/// Returns the angle that differs from `angle` (rad) by full turns and lies in the range -π to π.
 fn normalise_angle(angle: f64) -> f64 {
     libm::atan2(libm::sin(angle), libm::cos(angle))
 }

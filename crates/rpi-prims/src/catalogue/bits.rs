@@ -85,7 +85,7 @@ primitive! {
     }
 }
 
-/// Returns the number of elements of a digit array that hold the number: `bits`, limited to the length of the array.
+/// Returns the number of elements of a digit array to use: `bits`, limited to the length of the array.
 fn width(array: Array<bool>, bits: i64) -> usize {
     usize::try_from(bits).unwrap_or(0).min(array.len()).min(63)
 }

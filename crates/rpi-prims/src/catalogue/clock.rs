@@ -31,7 +31,7 @@ interface! {
 }
 
 interface! {
-    /// True from the first cycle after a cancel request.
+    /// True from the first cycle after a request to cancel the command.
     CANCEL = "Cancel";
     in {}
     out { outCancel: bool }
@@ -40,7 +40,8 @@ interface! {
 }
 
 interface! {
-    /// True in each cycle in which a successor is scheduled that covers every resource that may be moving.
+    /// True in each cycle in which a successor of the command is scheduled that takes over every actuator that may be
+    /// moving.
     TAKEOVER = "Takeover";
     in {}
     out { outTakeover: bool }

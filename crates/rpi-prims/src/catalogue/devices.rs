@@ -39,7 +39,8 @@
 
 use rpi_image::{DevicePortNames, DeviceResponse, DeviceUse, Role};
 
-/// Creates a role that reads one device port per out-port.
+/// Creates the role of a primitive that reads one device port per out-port. `device` and `index` are the names of the
+/// parameters that select the device and the index of the ports; `ports` are the names of the ports.
 pub(super) const fn sensor(
     device: &'static str,
     index: Option<&'static str>,
@@ -48,7 +49,8 @@ pub(super) const fn sensor(
     Role::Sensor(device_use(device, index, ports, &[]))
 }
 
-/// Creates a role that writes a device port; the out-ports are the responses of the device.
+/// Creates the role of a primitive that writes a device port. `device` and `index` are the names of the parameters that
+/// select the device and the index of the port. The out-ports are the responses of the device.
 pub(super) const fn actuator(
     device: &'static str,
     index: Option<&'static str>,
@@ -58,7 +60,8 @@ pub(super) const fn actuator(
     Role::Actuator(device_use(device, index, port, answers))
 }
 
-/// Creates a role that calls a function of a device.
+/// Creates the role of a primitive that calls a function of a device. `device` is the name of the parameter that
+/// selects the device.
 pub(super) const fn function(device: &'static str, port: &'static [&'static str; 1]) -> Role {
     Role::DeviceFunction(device_use(device, None, port, &[]))
 }

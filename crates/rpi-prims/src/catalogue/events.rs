@@ -85,7 +85,8 @@ fn last_seconds(args: &SizeArgs<'_>) -> u32 {
     Window::<i64>::cells(args.cycles_of_param(0))
 }
 
-/// Adds a value to the window over the last values. Returns the number of true values and the length of the window.
+/// Adds a value to the window over the last values, which it empties first if `reset` is true. Returns the number of
+/// true values in the window and the number of values that it can hold.
 fn trues(cx: &mut Context<'_>, history: StateRange, value: bool, reset: bool) -> (i64, i64) {
     let window = Window::<i64>::from_region(history);
     if reset {

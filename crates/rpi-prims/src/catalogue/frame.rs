@@ -101,7 +101,8 @@ pub(super) fn pose(position: Vector, rotation: Rotation) -> Pose {
     Pose::from_parts(Translation3::from(position), rotation)
 }
 
-/// Interpolates between two poses: linear in the position, along the shortest arc in the orientation.
+/// Interpolates between two poses, `from` for amount 0 and `to` for amount 1: linear in the position, along the
+/// shortest arc in the orientation.
 pub(super) fn interpolate(from: Pose, to: Pose, amount: f64) -> Pose {
     let (p, q) = (from.translation.vector, to.translation.vector);
     pose(
@@ -110,7 +111,7 @@ pub(super) fn interpolate(from: Pose, to: Pose, amount: f64) -> Pose {
     )
 }
 
-/// Returns the pose after `dt` seconds of motion with a constant velocity in base coordinates.
+/// Returns the pose after `dt` seconds of motion from `frame` with the constant velocity `twist` in base coordinates.
 pub(crate) fn integrate(frame: Pose, twist: Twist, dt: f64) -> Pose {
     let position = frame.translation.vector + twist.linear * dt;
     pose(position, geometry::exp(twist.angular * dt) * frame.rotation)

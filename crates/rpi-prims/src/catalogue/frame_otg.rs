@@ -46,11 +46,12 @@ pub(crate) struct Limits {
     pub(crate) acceleration: (f64, f64),
 }
 
-/// Fraction of the acceleration used for planning the stop. The margin avoids overshoot in discrete time.
+/// Fraction of the maximum acceleration with which stops are planned. The margin avoids overshoot in discrete time.
 const BRAKING_FRACTION: f64 = 0.8;
 
-/// Returns the velocity in the next period for a motion towards a goal pose. `log` computes the rotation vector of a
-/// rotation (replaceable for [`crate::differences`]).
+/// Returns the velocity in the next period for a motion from a pose and velocity towards a goal pose, which may move
+/// with `goal_velocity`. `log` computes the rotation vector of a rotation; the model of a known fault in
+/// [`crate::differences`] passes its own.
 pub(crate) fn step(
     from: Pose,
     velocity: Twist,
@@ -72,7 +73,8 @@ pub(crate) fn step(
     add_scaled(velocity, change, share)
 }
 
-/// Returns the fraction of the remaining path `way` that is covered per second.
+/// Returns the fraction of the remaining path `way` (m, rad) to cover per second (1/s), so that the velocity stays
+/// within `limits` and allows a stop at the end of the path.
 fn path_rate(way: Twist, limits: Limits, dt: f64) -> f64 {
     let (linear, angular) = magnitudes(way);
     let stop =
@@ -91,7 +93,7 @@ fn scale_within(size: f64, bound: f64) -> f64 {
     if size > bound { bound / size } else { 1.0 }
 }
 
-/// Returns the time to travel a distance at a speed; 0 if the speed is 0.
+/// Returns the time to travel the distance `way` at `speed`, in s; 0 if the speed is 0.
 fn travel_time(way: f64, speed: f64) -> f64 {
     if speed > 0.0 { way / speed } else { 0.0 }
 }

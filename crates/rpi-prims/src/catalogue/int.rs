@@ -79,7 +79,7 @@ primitive! {
     full |cx, place, _, _, (a,)| (truncate_or_fault(cx, place, a),)
 }
 
-/// Returns the result; on overflow, raises a fault and returns 0.
+/// Returns the result of an integer operation; for `None`, an overflow, raises a fault at slot `place` and returns 0.
 #[inline(always)]
 pub(super) fn or_overflow_fault(cx: &mut Context<'_>, place: u32, result: Option<i64>) -> i64 {
     result.unwrap_or_else(|| {
@@ -88,7 +88,8 @@ pub(super) fn or_overflow_fault(cx: &mut Context<'_>, place: u32, result: Option
     })
 }
 
-/// Returns the result of a division; if there is none, raises a fault for division by zero or overflow and returns 0.
+/// Returns the result of a division by `divisor`; for `None`, raises a fault for division by zero or overflow at slot
+/// `place` and returns 0.
 #[inline(always)]
 pub(super) fn or_division_fault(
     cx: &mut Context<'_>,
@@ -107,7 +108,7 @@ pub(super) fn or_division_fault(
     })
 }
 
-/// Raises the fault of a real number that no integer stands for.
+/// Raises, at slot `place`, the fault of a real number whose integer part is not a 64-bit integer.
 #[cold]
 pub(super) fn lossy_conversion(cx: &mut Context<'_>, place: u32, real: f64) {
     let bits = real.to_bits();
@@ -118,7 +119,8 @@ pub(super) fn lossy_conversion(cx: &mut Context<'_>, place: u32, real: f64) {
     );
 }
 
-/// Returns the integer part of a real; raises a fault and returns 0 if it is not a 64-bit integer.
+/// Returns the integer part of a real, truncated towards 0; if it is not a 64-bit integer, raises a fault at slot
+/// `place` and returns 0.
 #[inline(always)]
 pub(super) fn truncate_or_fault(cx: &mut Context<'_>, place: u32, real: f64) -> i64 {
     // 2^63. As a real it is exact, and all reals below it fit in 64 bits.

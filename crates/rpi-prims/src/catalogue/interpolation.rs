@@ -78,8 +78,8 @@ fn relative_position(x: f64, min: f64, max: f64) -> (bool, f64) {
     (true, (x - min) / (max - min))
 }
 
-/// Returns the position at the relative time `time` for a trapezoid with constant speed during the fraction `constant`
-/// of the time.
+/// Returns the position (0 to 1) at the relative time `time` (0 to 1) of a motion with a trapezoidal speed profile,
+/// whose speed is constant during the fraction `constant` of the time.
 fn ramp(time: f64, constant: f64) -> f64 {
     if time <= 0.0 {
         return 0.0;
@@ -98,7 +98,8 @@ fn ramp(time: f64, constant: f64) -> f64 {
     }
 }
 
-/// Evaluates a cubic Bézier curve in Bernstein form.
+/// Evaluates a cubic Bézier curve with the control values `p0` to `p3` at the parameter `t` (0 to 1), in Bernstein
+/// form.
 fn bezier(t: f64, p0: f64, p1: f64, p2: f64, p3: f64) -> f64 {
     let s = 1.0 - t;
     s * s * s * p0 + 3.0 * s * s * t * p1 + 3.0 * s * t * t * p2 + t * t * t * p3

@@ -2,7 +2,7 @@
 
 use crate::aggregates::{Array, Matrix};
 
-/// Maximum number of rows of a system.
+/// Maximum number of equations of a system, which bounds the time of a solution.
 pub(super) const MAX_ROWS: usize = 16;
 
 /// Augmented matrix of a system: the coefficients, and the right-hand side as the last column.
@@ -36,7 +36,8 @@ pub(super) fn solve(cells: &mut [u64], matrix: Matrix, right: Array<f64>, to: Ar
     }
 }
 
-/// Swaps the row with the largest entry of a column into the pivot position and eliminates the column below it.
+/// Swaps the row with the largest entry of column `column` into the pivot position and eliminates the column below the
+/// pivot. `n` is the number of equations.
 fn eliminate(rows: &mut AugmentedMatrix, n: usize, column: usize) {
     let size = |row: usize| libm::fabs(rows[row][column]);
     let pivot = (column + 1..n).fold(

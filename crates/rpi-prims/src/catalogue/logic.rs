@@ -34,7 +34,7 @@ primitive! {
 }
 
 primitive! {
-    /// Negation.
+    /// Negation of a Boolean: true if the operand is false.
     NOT = "Core::BooleanNot";
     in { inValue: bool = Value(Bool(false)) }
     out { outValue: bool }

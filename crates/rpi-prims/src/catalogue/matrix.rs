@@ -88,7 +88,7 @@ primitive! {
 }
 
 primitive! {
-    /// Product of a matrix and a vector. `Size` is not used.
+    /// Product of a matrix and a vector. The parameter `Size` has no effect: the connected ports give the sizes.
     APPLY = "Core::MatrixApply";
     in { inMatrix: Matrix; inVector: Array<f64> }
     param { Size: i64 = Int(0) }
@@ -133,7 +133,8 @@ pub(super) fn index(index: i64) -> usize {
     usize::try_from(index).unwrap_or(usize::MAX)
 }
 
-/// Returns whether the parameters `row` and `col` are valid indices of matrix input 0.
+/// Returns true if the values of the parameters with the indices `row` and `col` are indices of an element of the
+/// matrix at in-port 0.
 fn has_element(args: &ShapeArgs<'_>, row: usize, col: usize) -> bool {
     let inside = |index: Option<u32>, size| index.is_some_and(|i| i < size);
     args.shape(0)

@@ -111,7 +111,8 @@ primitive! {
     }
 }
 
-/// Returns the `k`-th index of a list; `k` itself if the list is empty.
+/// Returns the `k`-th entry of a list of row or column indices, counted from 0; `k` itself if the list is empty, which
+/// selects all.
 fn nth_index(cells: &[u64], list: Array<i64>, k: usize) -> usize {
     if list.is_empty() {
         k
@@ -120,13 +121,15 @@ fn nth_index(cells: &[u64], list: Array<i64>, k: usize) -> usize {
     }
 }
 
-/// Returns row and column of the `k`-th element of a block, row by row.
+/// Returns row and column, in the matrix, of the `k`-th element of a block, counted row by row from 0. The block starts
+/// at `start_row` and `start_col` and is `width` columns wide.
 fn block_index(k: usize, start_row: i64, start_col: i64, width: i64) -> (usize, usize) {
     let width = index(width.max(1));
     (index(start_row) + k / width, index(start_col) + k % width)
 }
 
-/// Returns whether a block lies inside matrix input 0.
+/// Returns true if the block of `height` by `width` elements that starts at `row` and `col` lies inside the matrix at
+/// in-port 0. False if `row` or `col` is `None`.
 fn inside(
     args: &ShapeArgs<'_>,
     row: Option<u32>,
@@ -174,7 +177,8 @@ fn selection(args: &ShapeArgs<'_>) -> Option<Type> {
     ))
 }
 
-/// Returns the number of rows or columns (out of `size`) that a parameter selects; `None` if an index is out of range.
+/// Returns the number of rows or columns, out of `size`, that the parameter with index `param` selects; `None` if one
+/// of its indices is out of range. An empty list selects all.
 fn selected(args: &ShapeArgs<'_>, param: usize, size: u32) -> Option<u32> {
     let list = args.params.get(param)?.slots();
     let in_range = list.iter().all(|&i| i < u64::from(size));

@@ -35,7 +35,7 @@ mod vector;
 use crate::registry::Prim;
 use core::cmp::Ordering;
 
-/// Primitives of each family. A new module needs one line here.
+/// Primitives of each family, such as arithmetic or robot arms. A new module needs one line here.
 const FAMILIES: &[&[Prim]] = &[
     robot_arm::ALL,
     moving_average::ALL,
@@ -120,7 +120,7 @@ const fn sorted() -> [Prim; COUNT] {
     from
 }
 
-/// Returns all primitives, family by family.
+/// Returns all primitives, unsorted, family by family.
 const fn unsorted() -> [Prim; COUNT] {
     let mut all = [FAMILIES[0][0]; COUNT];
     let (mut n, mut k) = (0, 0);
@@ -136,8 +136,8 @@ const fn unsorted() -> [Prim; COUNT] {
     all
 }
 
-/// Returns `to` with the sorted runs `from[a..b]` and `from[b..c]` merged into `to[a..c]`. Runs may end at the end of
-/// the table.
+/// Returns `to` with the sorted runs `from[a..b]` and `from[b..c]` merged into `to[a..c]`: one step of a merge sort.
+/// `b` and `c` beyond the end of the table count as its end.
 const fn merge_runs(
     from: &[Prim; COUNT],
     mut to: [Prim; COUNT],
@@ -165,7 +165,7 @@ const fn merge_runs(
     to
 }
 
-/// Returns whether `a` sorts before `b`; panics (a compile error) for equal names.
+/// Returns true if the name `a` sorts before `b`; panics (a compile error) for equal names.
 const fn sorts_before(a: &str, b: &str) -> bool {
     let order = compare_names(a, b);
     assert!(
@@ -175,7 +175,7 @@ const fn sorts_before(a: &str, b: &str) -> bool {
     matches!(order, Ordering::Less)
 }
 
-/// Compares names byte by byte.
+/// Compares names byte by byte, in a constant expression.
 pub(crate) const fn compare_names(a: &str, b: &str) -> Ordering {
     let (a, b) = (a.as_bytes(), b.as_bytes());
     let mut k = 0;

@@ -44,7 +44,8 @@ fn cells<T: Summand>(args: &SizeArgs<'_>) -> u32 {
     Window::<T>::cells(args.cycles_of_param(0))
 }
 
-/// Adds a value to a window over the last values. Returns the sum of the window and the number of values in it.
+/// Adds a value to the window over the last values, which it empties first if `reset` is true. Returns the sum of the
+/// window and the number of values in it.
 fn sum<T: Summand>(cx: &mut Context<'_>, history: StateRange, value: T, reset: bool) -> (T, f64) {
     let window = Window::<T>::from_region(history);
     if reset {

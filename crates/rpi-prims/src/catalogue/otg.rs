@@ -67,8 +67,8 @@ primitive! {
     }
 }
 
-/// Returns position, velocity and acceleration after one period `dt`, from (position, velocity) towards a goal
-/// (position, velocity). The acceleration is 0 if a full step of it could exceed the maximum velocity.
+/// Returns position, velocity and acceleration after one period `dt` (s) of a motion from (position, velocity) towards
+/// the goal (position, velocity). The acceleration is 0 if a full step with it could exceed the maximum velocity.
 pub(crate) fn step(
     from: (f64, f64),
     to: (f64, f64),
@@ -90,8 +90,9 @@ pub(crate) fn step(
     (from.0 + velocity * dt, velocity, acceleration)
 }
 
-/// Returns the sliding variable σ of the filter. The acceleration has the opposite sign; it is maximal for |σ| of 1 or
-/// more and proportional below.
+/// Returns the sliding variable σ (no unit) of the filter for a motion from (position, velocity) to a goal (position,
+/// velocity). The acceleration has the opposite sign of σ; its magnitude is maximal for |σ| of 1 or more and
+/// proportional to |σ| below.
 fn sliding_variable(from: (f64, f64), to: (f64, f64), max_acceleration: f64, dt: f64) -> f64 {
     let speed = (from.1 - to.1) / (max_acceleration * dt);
     let z = (from.0 - to.0) / (max_acceleration * dt * dt) + speed / 2.0;

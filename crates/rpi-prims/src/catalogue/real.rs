@@ -60,7 +60,7 @@ primitive! {
     pure |(a, b)| (a > b,)
 }
 
-/// Returns whether `a` and `b` are equal or differ by at most `epsilon`. Equal infinities need the first test, as their
+/// Returns true if `a` and `b` are equal or differ by at most `epsilon`. Equal infinities need the first test, as their
 /// difference is not a number.
 fn equal(a: f64, b: f64, epsilon: f64) -> bool {
     a == b || libm::fabs(a - b) <= epsilon

@@ -82,7 +82,7 @@ primitive! {
 }
 
 primitive! {
-    /// Inverse rotation.
+    /// Inverse of a rotation.
     INVERT = "World::RotationInvert";
     in { inValue: Rotation }
     out { outValue: Rotation }

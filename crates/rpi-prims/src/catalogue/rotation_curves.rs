@@ -54,7 +54,8 @@ fn window(args: &SizeArgs<'_>) -> u32 {
     Window::<Quaternion<f64>>::cells(args.cycles_of_param(0))
 }
 
-/// Evaluates a Bézier curve of rotations by the construction of De Casteljau.
+/// Evaluates a cubic Bézier curve of rotations with four control rotations at the parameter `t` (0 to 1), by the
+/// construction of De Casteljau.
 fn bezier(mut points: [Rotation; 4], t: f64) -> Rotation {
     for count in (1..points.len()).rev() {
         for k in 0..count {

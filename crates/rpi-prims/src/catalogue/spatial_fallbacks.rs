@@ -4,16 +4,18 @@ use crate::geometry;
 use crate::value_types::{Rotation, Vector};
 use rpi_image::{Fallback, Scalar, Value};
 
-/// Vector from the parameters `X`, `Y`, `Z`; 0 by default.
+/// Value of an unconnected in-port: the vector of the parameters `X`, `Y`, `Z`, each 0 by default.
 pub(super) const XYZ: Fallback =
     Fallback::ComposedOfParams(&[("X", 0.0), ("Y", 0.0), ("Z", 0.0)], vector);
-/// Vector from the parameters `RX`, `RY`, `RZ`; 0 by default.
+/// Value of an unconnected in-port: the vector of the parameters `RX`, `RY`, `RZ`, each 0 by default.
 pub(super) const RXYZ: Fallback =
     Fallback::ComposedOfParams(&[("RX", 0.0), ("RY", 0.0), ("RZ", 0.0)], vector);
-/// Axis from the parameters `X`, `Y`, `Z`; the x axis by default.
+/// Value of an unconnected in-port: the axis with the components in the parameters `X`, `Y`, `Z`; the x axis by
+/// default.
 pub(super) const AXIS: Fallback =
     Fallback::ComposedOfParams(&[("X", 1.0), ("Y", 0.0), ("Z", 0.0)], vector);
-/// Rotation from the Euler angles `A`, `B`, `C` (rad); the identity by default.
+/// Value of an unconnected in-port: the rotation with the Euler angles (rad) in the parameters `A`, `B`, `C`; the
+/// identity by default.
 pub(super) const ABC: Fallback =
     Fallback::ComposedOfParams(&[("A", 0.0), ("B", 0.0), ("C", 0.0)], rotation);
 

@@ -31,7 +31,9 @@ primitive! {
 }
 
 primitive! {
-    /// Constant velocity of a motion from `inPrevFrame` to `inFrame` in one period, in coordinates of the base frame.
+    /// Newest range of time that covers a range of the first input and a range of the second input and is shorter than
+    /// `MaxSize` seconds. At least one of both is of this cycle; the other may be up to `MaxAge` seconds old. Without
+    /// such a pair, the result is the newest earlier one of the last `MaxAge` seconds; absent if there is none.
     CONSISTENT_RANGE = "Core::TimeConsistentRange";
     in { inFirstStart: Time; inFirstEnd: Time; inSecondStart: Time; inSecondEnd: Time }
     param { MaxSize: f64 = Real(1.0); MaxAge: f64 = Real(1.0) }
@@ -54,7 +56,7 @@ fn ranges(args: &SizeArgs<'_>) -> u32 {
     RingBuffer::<Time>::cells(args.cycles_of_param(1).saturating_add(1)).saturating_mul(6)
 }
 
-/// Range of times from `start` to `end`.
+/// Range of time from `start` to `end`.
 #[derive(Clone, Copy)]
 struct TimeRange {
     start: Time,
@@ -78,7 +80,7 @@ impl TimeRange {
     }
 }
 
-/// History of the ranges of one input or of the results.
+/// History of the time ranges of one input, or of the results.
 #[derive(Clone, Copy)]
 struct RangeHistory {
     starts: RingBuffer<Time>,
@@ -96,7 +98,7 @@ impl RangeHistory {
     }
 }
 
-/// Histories of both inputs and of the results.
+/// Histories of the time ranges of both inputs, and of the results.
 struct Histories {
     first: RangeHistory,
     second: RangeHistory,
@@ -139,7 +141,8 @@ impl Histories {
         found.or(kept)
     }
 
-    /// Returns the newest pair with a hull shorter than `max_size` seconds; one range of the pair is of this cycle.
+    /// Returns the range that covers the newest pair of a range of the first and a range of the second input, if it is
+    /// shorter than `max_size` seconds; one range of the pair is of this cycle. `None` if there is no such pair.
     fn newest(
         &self,
         cells: &[u64],

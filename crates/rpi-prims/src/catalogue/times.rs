@@ -10,7 +10,8 @@ use rpi_image::{CommandFlow, Role};
 pub(super) const ALL: &[Prim] = &[NET, WALL, ADD, DIFF, PRE, AT_TIME];
 
 interface! {
-    /// Logical time of the cycle: the time of the first cycle of the command plus one period per cycle.
+    /// Logical time of the cycle, ns since the Unix epoch: the time of the first cycle of the command plus one period
+    /// per cycle.
     NET = "Core::TimeNet";
     in {}
     out { outValue: Time }
@@ -19,7 +20,7 @@ interface! {
 }
 
 interface! {
-    /// Time of the system clock at the start of the cycle.
+    /// Time of the system clock at the start of the cycle, ns since the Unix epoch.
     WALL = "Core::TimeWall";
     in {}
     out { outValue: Time }
@@ -46,8 +47,8 @@ primitive! {
 }
 
 interface! {
-    /// Value of the previous cycle in which the enclosing fragment was active, absence included. Absent in the first
-    /// cycle.
+    /// Delay: value of `inValue` in the previous cycle in which the enclosing fragment was active; absent if it was
+    /// absent then. Absent in the first cycle.
     PRE = "Core::TimePre";
     in { inValue: Time }
     out { outValue: Time }

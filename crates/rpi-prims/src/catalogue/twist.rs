@@ -127,7 +127,8 @@ pub(super) fn twist(linear: Vector, angular: Vector) -> Twist {
     Twist { linear, angular }
 }
 
-/// Returns the constant velocity, in base coordinates, of a motion from one pose to another in `dt` seconds.
+/// Returns the constant velocity, in base coordinates, of a motion from the pose `from` to the pose `to` in `dt`
+/// seconds.
 pub(super) fn velocity(from: Pose, to: Pose, dt: f64) -> Twist {
     let way = to.translation.vector - from.translation.vector;
     let turn = geometry::log(to.rotation * from.rotation.inverse());

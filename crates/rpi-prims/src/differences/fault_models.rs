@@ -9,12 +9,14 @@ use crate::value_types::{Pose, Rotation, Time, Twist, Vector};
 use core::ops::Range;
 use rpi_image::{PortType, Scalar, Value};
 
-/// Models the sine computed instead of the cosine, from the recorded input: the reference swaps both functions.
+/// Models the fault that swaps sine and cosine, for a primitive that should compute the sine: returns the cosine of the
+/// recorded input.
 pub(super) fn sine_as_cosine(case: &DifferenceCase<'_>) -> Option<FaultyValue> {
     Some(FaultyValue::value(libm::cos(case.input(0)?)))
 }
 
-/// Models the cosine computed instead of the sine: the reference swaps both functions.
+/// Models the fault that swaps sine and cosine, for a primitive that should compute the cosine: returns the sine of the
+/// recorded input.
 pub(super) fn cosine_as_sine(case: &DifferenceCase<'_>) -> Option<FaultyValue> {
     Some(FaultyValue::value(libm::sin(case.input(0)?)))
 }
@@ -43,7 +45,7 @@ pub(super) fn quaternion(case: &DifferenceCase<'_>) -> Option<FaultyValue> {
     Some(FaultyValue::value(*parts.get(case.port)?))
 }
 
-/// Models an interpolation of poses about the wrong axis.
+/// Models the faulty interpolation of poses: the orientation turns about the wrong axis of [`log`].
 pub(super) fn lerp(case: &DifferenceCase<'_>) -> Option<FaultyValue> {
     let (from, to, amount): (Pose, Pose, f64) = (case.input(0)?, case.input(1)?, case.input(2)?);
     let turn = log(from.rotation.inverse() * to.rotation) * amount;
@@ -56,7 +58,7 @@ pub(super) fn lerp(case: &DifferenceCase<'_>) -> Option<FaultyValue> {
     )))
 }
 
-/// Models an angular velocity about the wrong axis.
+/// Models the faulty velocity between two poses: the angular part is about the wrong axis of [`log`].
 pub(super) fn twist_from_frames(case: &DifferenceCase<'_>) -> Option<FaultyValue> {
     let (from, to): (Pose, Pose) = (case.input(0)?, case.input(1)?);
     let turn = from.rotation * log(from.rotation.inverse() * to.rotation);
@@ -67,7 +69,7 @@ pub(super) fn twist_from_frames(case: &DifferenceCase<'_>) -> Option<FaultyValue
     }))
 }
 
-/// Models a step of the online trajectory with a rotation about the wrong axis.
+/// Models the faulty step of the online trajectory generation for poses: it turns about the wrong axis of [`log`].
 pub(super) fn frame_otg(case: &DifferenceCase<'_>) -> Option<FaultyValue> {
     let (from, to): (Pose, Pose) = (case.input(0)?, case.input(2)?);
     let (velocity, goal) = (
@@ -86,7 +88,8 @@ pub(super) fn frame_otg(case: &DifferenceCase<'_>) -> Option<FaultyValue> {
     })
 }
 
-/// Models a quaternion that is not normalised: the identity for small angles, not-a-number if w is not a cosine.
+/// Models the faulty rotation from a quaternion that is not normalised: the identity for small angles, not-a-number if
+/// w is not a cosine.
 pub(super) fn from_quaternion(case: &DifferenceCase<'_>) -> Option<FaultyValue> {
     const NO_ROTATION: f64 = 0.99999;
     let axis = Vector::new(case.input(0)?, case.input(1)?, case.input(2)?);
@@ -98,12 +101,13 @@ pub(super) fn from_quaternion(case: &DifferenceCase<'_>) -> Option<FaultyValue> 
     Some(FaultyValue::value(geometry::exp(turn)))
 }
 
-/// Models the newest value instead of the mean: the weight 1/n is an integer division.
+/// Models the faulty mean of rotations, which is the newest rotation: its weight 1/n is an integer division.
 pub(super) fn newest(case: &DifferenceCase<'_>) -> Option<FaultyValue> {
     Some(FaultyValue::value::<Rotation>(case.input(0)?))
 }
 
-/// Models the neutral value of the type instead of the parameter `Value` before the first snapshot.
+/// Models the fault of a sample-and-hold primitive that outputs the neutral value of the type, instead of its parameter
+/// `Value`, before the first sample.
 pub(super) fn neutral(case: &DifferenceCase<'_>) -> Option<FaultyValue> {
     if case.params.first().map(Value::slots) != case.computed {
         return None;
@@ -121,18 +125,18 @@ pub(super) fn neutral(case: &DifferenceCase<'_>) -> Option<FaultyValue> {
     })
 }
 
-/// Models saturating conversion to 32-bit integers.
+/// Models the faulty conversion of a real to an integer, which saturates at 32 bits.
 pub(super) fn saturated(case: &DifferenceCase<'_>) -> Option<FaultyValue> {
     let value: f64 = case.input(0)?;
     Some(FaultyValue::value(i64::from(value as i32)))
 }
 
-/// Models a wrapping 32-bit sum.
+/// Models the faulty sum of integers, which wraps at 32 bits.
 pub(super) fn wrapped_sum(case: &DifferenceCase<'_>) -> Option<FaultyValue> {
     wrapped(case, i32::wrapping_add)
 }
 
-/// Models a wrapping 32-bit product.
+/// Models the faulty product of integers, which wraps at 32 bits.
 pub(super) fn wrapped_product(case: &DifferenceCase<'_>) -> Option<FaultyValue> {
     wrapped(case, i32::wrapping_mul)
 }
@@ -145,7 +149,7 @@ fn wrapped(case: &DifferenceCase<'_>, operation: fn(i32, i32) -> i32) -> Option<
     ))))
 }
 
-/// Models times in whole milliseconds, truncated.
+/// Models the faulty sum of a time and a duration, which is computed in whole milliseconds, truncated.
 pub(super) fn whole_milliseconds(case: &DifferenceCase<'_>) -> Option<FaultyValue> {
     const MILLISECOND: i64 = 1_000_000;
     let (time, delta): (Time, f64) = (case.input(0)?, case.input(1)?);
@@ -155,7 +159,8 @@ pub(super) fn whole_milliseconds(case: &DifferenceCase<'_>) -> Option<FaultyValu
     )))
 }
 
-/// Models a first cycle in which the axis moved from position 0 within one period.
+/// Models the faulty first cycle of a trajectory generation without a velocity: it computes the velocity of an
+/// axis that moves from position 0 within one period.
 pub(super) fn otg_from_zero(case: &DifferenceCase<'_>) -> Option<FaultyValue> {
     if case.input::<f64>(1).is_some() {
         return None;
@@ -169,25 +174,27 @@ pub(super) fn otg_from_zero(case: &DifferenceCase<'_>) -> Option<FaultyValue> {
     Some(FaultyValue::value(*outs.get(case.port)?))
 }
 
-/// Models a division by a maximum acceleration of 0.
+/// Models the faulty trajectory generation for a maximum acceleration of 0: a division by 0 gives not-a-number.
 pub(super) fn otg_without_acceleration(case: &DifferenceCase<'_>) -> Option<FaultyValue> {
     (case.input::<f64>(6)? == 0.0).then(|| FaultyValue::value(f64::NAN))
 }
 
-/// Models an input object that is compared with itself, so that no change is detected.
+/// Models the faulty edge detection on an input of a device: it compares an object with itself and never detects an
+/// edge.
 pub(super) fn no_edge(case: &DifferenceCase<'_>) -> Option<FaultyValue> {
     reads_input_object(case).then(|| FaultyValue::value(false))
 }
 
-/// Returns whether the first in-port reads a device. The inputs and outputs of devices are objects that change in
-/// place.
+/// Returns true if the first in-port reads an input or output of a device. In the reference system, these are objects
+/// that change in place.
 fn reads_input_object(case: &DifferenceCase<'_>) -> bool {
     let source = case.sources.first().copied().flatten();
     source.is_some_and(|name| name.starts_with("IO::"))
 }
 
-/// Returns whether each part of the recorded value equals that part of the computed value or of a current value that
-/// the primitive reads.
+/// Returns true if each part of the recorded value equals the same part of the computed value or of a current value
+/// that the primitive reads. Parts are position and orientation of a pose, linear and angular velocity of a twist, else
+/// the whole value.
 pub(super) fn aliased(
     case: &DifferenceCase<'_>,
     recorded: &[u64],
@@ -213,7 +220,8 @@ pub(super) fn aliased(
             .any(|value| value.len() == recorded.len())
 }
 
-/// Returns whether two values are equal in the slots of `part`, by the equality of whole values.
+/// Returns true if two values are equal in the slots of `part`. `same` compares whole values, so the rest is made equal
+/// first.
 fn same_part(
     recorded: &[u64],
     value: &[u64],

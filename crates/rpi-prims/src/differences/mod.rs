@@ -14,22 +14,22 @@ use rpi_image::{PrimDesc, Value};
 
 pub use table::DIFFERENCES;
 
-/// Known fault of the reference system that this system does not imitate: how to recognise it in a recording.
+/// Known fault of the reference system that this project does not imitate, and how to recognise it in a recording.
 #[derive(Clone, Copy, Debug)]
 pub struct Difference {
-    /// Short name of the difference.
+    /// Short name of the fault.
     pub name: &'static str,
-    /// Registered names of the primitives; one `*` matches any text.
+    /// Registered names of the affected primitives; one `*` matches any text.
     pub types: &'static [&'static str],
-    /// Names of the out-ports; one `*` matches any text.
+    /// Names of the affected out-ports; one `*` matches any text.
     pub ports: &'static [&'static str],
-    /// Condition under which the fault appears in a recorded value.
+    /// Condition under which the fault explains a recorded value.
     pub condition: Condition,
-    /// Behaviour of the reference system.
+    /// Behaviour of the reference system, in words.
     pub fault: &'static str,
-    /// Correct behaviour.
+    /// Correct behaviour, in words.
     pub correct: &'static str,
-    /// Name of the test of the correct behaviour.
+    /// Name of the test of this project that checks the correct behaviour.
     pub test: &'static str,
 }
 
@@ -44,22 +44,23 @@ pub enum Condition {
     NothingRecorded,
     /// No value is recorded, although there should be one, because not all in-ports are connected.
     NotAllConnected,
-    /// The recorded value is partly a later one: the reference system kept a reference to an object that its producer
-    /// continues to modify. Parts of the value are those of the current value of an input.
+    /// The recorded value is partly a later one: the reference system passed on a reference to an object that its
+    /// producer continues to modify. Each part of the recorded value equals that part of the computed value or of a
+    /// current input.
     AliasedSource,
-    /// An input comes from an object that its producer continues to modify (see [`Condition::AliasedSource`]). It may
-    /// have changed between its use and its recording.
+    /// An input is an object that its producer continues to modify (see [`Condition::AliasedSource`]). It may have
+    /// changed between its use and its recording, so any recorded value is accepted.
     ReadsAliased,
-    /// The fragment was inactive in the previous cycle, and no value is recorded.
+    /// No value is recorded, and the enclosing fragment was inactive in the previous cycle.
     FirstCycleAfterPause,
     /// The recorded text is not a value of the type of the port (an array with an absent element, or another type).
     OtherType,
 }
 
-/// Maximum number of slots of a single value.
+/// Maximum number of slots of a value that is no array or matrix.
 const MAX_SLOTS: usize = 8;
 
-/// Result of a fault model, as slots.
+/// Value that a fault model computes, as 64-bit slots.
 #[derive(Clone, Copy, Debug)]
 pub struct FaultyValue {
     cells: [u64; MAX_SLOTS],
@@ -67,7 +68,7 @@ pub struct FaultyValue {
 }
 
 impl FaultyValue {
-    /// Creates the result from a value.
+    /// Creates the result of a fault model from a value.
     fn value<T: FlowType>(value: T) -> FaultyValue {
         let mut cells = [0; MAX_SLOTS];
         value.store(&mut cells, 0);
@@ -84,32 +85,33 @@ impl FaultyValue {
     }
 }
 
-/// Recorded content of a port in a cycle.
+/// Content of a port in a cycle of a recording of the reference system.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub enum Recorded<'a> {
     /// No value was recorded for the port in the cycle.
     Absent,
-    /// Present value, as the words of its slots.
+    /// Present value, as the content of its 64-bit slots.
     Value(&'a [u64]),
     /// Text that is not a value of the type of the port.
     Other,
 }
 
-/// Computed value that differs from the recorded one, with its context.
+/// Computed value that differs from the recorded one, with all facts by which a known fault may explain it.
 #[derive(Clone, Copy, Debug)]
 pub struct DifferenceCase<'a> {
-    /// Declaration of the primitive.
+    /// Declaration of the primitive that computes the value.
     pub desc: &'a PrimDesc,
-    /// Index of the out-port.
+    /// Index of the out-port of the primitive.
     pub port: usize,
-    /// Period, s.
+    /// Period of the command, in s.
     pub dt: f64,
-    /// Values of the in-ports in this cycle: those recorded at their sources, or those of the parameters that replace
-    /// them.
+    /// Values of the in-ports in this cycle, by index: those recorded at their sources, or those of the parameters that
+    /// replace them. `None` if absent.
     pub inputs: &'a [Option<&'a [u64]>],
     /// Registered names of the primitives that the in-ports read; `None` for an in-port that is not connected.
     pub sources: &'a [Option<&'a str>],
-    /// Values recorded in this cycle at the origins of the first in-port.
+    /// Values, recorded in this cycle, of the primitives from which the first in-port gets its object, directly or
+    /// through primitives that pass it on.
     pub origins: &'a [&'a [u64]],
     /// Values of the parameters, in the order of the declaration.
     pub params: &'a [Value],
@@ -117,25 +119,26 @@ pub struct DifferenceCase<'a> {
     pub computed: Option<&'a [u64]>,
     /// Value that the reference system recorded in the same cycle.
     pub recorded: Recorded<'a>,
-    /// Whether the enclosing fragment was inactive in the previous cycle.
+    /// True if the enclosing fragment was inactive in the previous cycle.
     pub after_pause: bool,
-    /// Whether an in-port reads, directly or through primitives that [pass objects on](outputs_alias), a value that
+    /// True if an in-port reads, directly or through primitives that [pass objects on](outputs_alias), a value that
     /// [`Condition::AliasedSource`] explains in this cycle.
     pub reads_aliased: bool,
 }
 
 impl DifferenceCase<'_> {
-    /// Returns the value of the in-port with index `k`; `None` if it is absent.
+    /// Returns the value of the in-port with index `k`; `None` if it is absent or has fewer slots than the type.
     fn input<T: FlowType>(&self, k: usize) -> Option<T> {
         let cells = self.inputs.get(k).copied().flatten()?;
         (cells.len() >= T::SLOTS).then(|| T::load(cells, 0))
     }
 }
 
-/// In-ports that recorded nets connect although the primitive does not have them, with their types.
+/// In-ports that recorded nets connect although the primitive does not have them: name of the primitive and of the
+/// in-port.
 pub const IGNORED_IN_PORTS: &[(&str, &str)] = &[("Core::IntArrayIsNull", "inNull")];
 
-/// Returns whether a primitive of the reference outputs the object that it reads, not a copy.
+/// Returns true if a primitive of the reference system outputs the object that it reads, not a copy.
 #[must_use]
 pub fn outputs_alias(name: &str) -> bool {
     const HAND_ON: [&str; 7] = [
@@ -150,15 +153,15 @@ pub fn outputs_alias(name: &str) -> bool {
     HAND_ON.iter().any(|pattern| matches(pattern, name))
 }
 
-/// Returns whether a known fault of the reference system affects an out-port, so that its recorded value may be
-/// accepted in some cycle.
+/// Returns true if a known fault of the reference system affects an out-port, so that recorded values may be accepted
+/// although they differ from the computed ones.
 #[must_use]
 pub fn has_difference(desc: &PrimDesc, port: usize) -> bool {
     DIFFERENCES.iter().any(|entry| entry.applies_to(desc, port))
 }
 
 /// Returns the known fault of the reference system that explains a difference; `None` if there is none. `same` returns
-/// whether two values of the port are equal within the tolerance.
+/// true if two values of the port are equal within the tolerance.
 #[must_use]
 pub fn explain(
     case: &DifferenceCase<'_>,
@@ -171,7 +174,7 @@ pub fn explain(
 }
 
 impl Difference {
-    /// Returns whether the known fault affects an out-port of a primitive.
+    /// Returns true if the known fault affects the out-port with index `port` of a primitive.
     #[must_use]
     pub fn applies_to(&self, desc: &PrimDesc, port: usize) -> bool {
         let Some(port) = desc.outputs.get(port).map(|out| out.name) else {
@@ -202,7 +205,7 @@ impl Condition {
     }
 }
 
-/// Returns whether a name matches a pattern in which one `*` matches any text.
+/// Returns true if a name matches a pattern in which one `*` matches any text.
 fn matches(pattern: &str, name: &str) -> bool {
     match pattern.split_once('*') {
         None => pattern == name,

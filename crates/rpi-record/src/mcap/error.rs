@@ -7,16 +7,20 @@ use rpi_diag::Code;
 /// Error: a recording cannot be read or replayed.
 #[derive(Clone, PartialEq, Eq, Debug)]
 pub enum RecordingError {
-    /// The file is not a valid MCAP file: it is truncated or damaged.
+    /// The file is not a valid MCAP file: it is damaged, or too short to contain a record.
     Damaged(String),
-    /// The file is valid MCAP, but was not written by RPI or has an unsupported format version.
+    /// The file is valid MCAP, but was not written by RPI or has an unsupported version; the text says what is wrong.
     NotRpi(String),
-    /// The recording lacks a part that is needed; the text names it.
+    /// The file cannot be read; the text is the reason.
+    Unreadable(String),
+    /// The requests, events and images of the recording together are larger than this number of bytes.
+    TooLarge(usize),
+    /// The recording lacks a part that is needed for reading it; the text names the part.
     Missing(String),
 }
 
 impl RecordingError {
-    /// Returns the code of the error in the manual.
+    /// Returns the code of the error in the table of diagnostics, under which the manual explains it.
     #[must_use]
     pub fn code(&self) -> Code {
         Code::RPI9021
@@ -28,9 +32,15 @@ impl fmt::Display for RecordingError {
         write!(f, "{}: ", self.code())?;
         match self {
             RecordingError::Damaged(why) => {
-                write!(f, "the recording is truncated or damaged: {why}")
+                write!(f, "the recording is damaged: {why}")
             }
             RecordingError::NotRpi(what) => write!(f, "this is not an RPI recording: {what}"),
+            RecordingError::Unreadable(why) => write!(f, "the recording cannot be read: {why}"),
+            RecordingError::TooLarge(limit) => write!(
+                f,
+                "the recording is too large to be replayed: its requests, events and images have more than {} MiB",
+                limit >> 20
+            ),
             RecordingError::Missing(what) => write!(f, "the recording has no {what}"),
         }
     }

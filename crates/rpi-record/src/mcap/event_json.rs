@@ -6,10 +6,11 @@ use rpi_image::image::CommandEnd;
 use serde_json::{Value, json};
 
 use super::names::NameTable;
+use super::scene::LogLevel;
 use rpi_runtime::control::Event;
 use rpi_runtime::run::fault_text;
 
-/// Reasons of an abort and their keywords.
+/// Keywords by which recordings store the reasons for aborting a command.
 const REASON_KEYWORDS: [(AbortReason, &str); 6] = [
     (AbortReason::Request, "request"),
     (AbortReason::Overrun, "overrun"),
@@ -19,7 +20,7 @@ const REASON_KEYWORDS: [(AbortReason, &str); 6] = [
     (AbortReason::CancelTimeout, "cancel timeout"),
 ];
 
-/// Returns the word that recordings use for the reason of an abort.
+/// Returns the keyword by which recordings store a reason for aborting a command.
 pub(super) fn reason_keyword(why: AbortReason) -> &'static str {
     REASON_KEYWORDS
         .iter()
@@ -27,7 +28,7 @@ pub(super) fn reason_keyword(why: AbortReason) -> &'static str {
         .map_or("?", |w| w.1)
 }
 
-/// Returns the reason of an abort for the word that recordings use; `None` for an unknown word.
+/// Returns the reason for aborting a command that recordings store by this keyword; `None` for an unknown keyword.
 pub(super) fn reason_from_keyword(word: &str) -> Option<AbortReason> {
     REASON_KEYWORDS
         .iter()
@@ -35,8 +36,8 @@ pub(super) fn reason_from_keyword(word: &str) -> Option<AbortReason> {
         .map(|w| w.0)
 }
 
-/// Encodes an event as a JSON object. `tick` is the tick of the last event that had one; it is used for events without
-/// a tick.
+/// Encodes an event of the core as a JSON object. `tick` is the tick of the last event that had one; it is stored for
+/// events without a tick of their own.
 pub(super) fn encode_event(event: &Event, tick: u64, names: &NameTable) -> Value {
     match event {
         Event::Answer {
@@ -60,7 +61,16 @@ pub(super) fn encode_event(event: &Event, tick: u64, names: &NameTable) -> Value
     }
 }
 
-/// Returns the tick in which an event occurred; `None` for events that are not bound to a tick.
+/// Returns the severity with which viewers show an encoded event.
+pub(super) fn event_level(event: &Value) -> LogLevel {
+    match event["event"].as_str().unwrap_or_default() {
+        "ended" if matches!(event["cause"].as_str(), Some("fault" | "aborted")) => LogLevel::Error,
+        "lost" | "overrun" | "braked" | "jumped" => LogLevel::Warning,
+        _ => LogLevel::Info,
+    }
+}
+
+/// Returns the number of the tick in which an event occurred; `None` for events that have no tick.
 pub(super) fn event_tick(event: &Event) -> Option<u64> {
     match event {
         Event::Answer { tick, .. }
@@ -172,6 +182,27 @@ mod tests {
         assert_eq!(
             (reason_from_number(99), reason_from_keyword("mood")),
             (None, None)
+        );
+    }
+    #[test]
+    fn viewers_show_a_command_that_failed_as_an_error() {
+        let level = |cause| {
+            let ending = Ending {
+                cause,
+                error: 0,
+                cycles: 1,
+                cancelled: false,
+                left_moving: false,
+            };
+            let mut event = encode_ending(&ending, None);
+            event["event"] = "ended".into();
+            event_level(&event)
+        };
+        assert_eq!(level(Cause::Terminate), LogLevel::Info);
+        assert_eq!(level(Cause::Aborted(AbortReason::Overrun)), LogLevel::Error);
+        assert_eq!(
+            event_level(&json!({ "event": "jumped" })),
+            LogLevel::Warning
         );
     }
 }

@@ -1,144 +1,161 @@
-//! Recording file: topics, messages and attachments in MCAP (<https://mcap.dev/spec>).
+//! One file of a recording: channels, messages and attachments in MCAP (<https://mcap.dev/spec>).
 
 use std::borrow::Cow;
 use std::collections::BTreeMap;
-use std::io::{self, Seek, SeekFrom, Write};
+use std::io::{self, Write};
 use std::sync::{Arc, Mutex, PoisonError};
 
+use crc32fast::Hasher;
 use mcap::records::{MessageHeader, Metadata};
-use mcap::{Attachment, McapError, WriteOptions, Writer};
-use serde_json::{Value, json};
+use mcap::write::NoSeek;
+use mcap::{Attachment, Compression, McapError, WriteOptions, Writer};
 
-/// Destination of a recording: a file or buffer that can be written and positioned.
-pub trait Output: Write + Seek + Send {}
+/// Destination of the bytes of one file of a recording, such as a file or a buffer.
+pub trait Output: Write + Send {}
 
-impl<T: Write + Seek + Send> Output for T {}
+impl<T: Write + Send> Output for T {}
 
-/// An MCAP file that is being written.
-pub(super) struct McapFile {
-    mcap: Writer<ErrorTrackingOutput>,
-    /// First write error of the output.
-    first_error: FirstError,
-    topics: BTreeMap<String, (u16, u32)>,
+/// Encoding of the messages of an MCAP channel, with the schema that describes them.
+#[derive(Clone, Debug)]
+pub(super) struct Encoding {
+    /// Encoding of the messages: `json`, `cdr` (ROS 2) or the name of a binary format of this project.
+    pub(super) message: &'static str,
+    /// Name of the schema in the MCAP file.
+    pub(super) schema_name: String,
+    /// Language of the schema: `jsonschema`, `ros2msg` or the name of a binary format of this project.
+    pub(super) schema_encoding: &'static str,
+    /// Text of the schema, in its language.
+    pub(super) schema: Vec<u8>,
 }
 
-/// First I/O error of the output. The MCAP writer wraps I/O errors in different ways, so the original is kept here.
-#[derive(Clone, Default)]
-struct FirstError(Arc<Mutex<Option<io::Error>>>);
+/// MCAP channel of a file: its number in the file and the number of its last message.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct FileChannel {
+    id: u16,
+    sequence: u32,
+}
 
-impl FirstError {
-    /// Stores the first error and returns a copy of it.
-    fn store<T>(&self, done: io::Result<T>) -> io::Result<T> {
+/// Writer of an MCAP file, one part of a recording.
+///
+/// The output is never positioned: a chunk is written when it is complete. A file that was cut off is therefore
+/// readable up to the last chunk.
+pub(super) struct McapFile {
+    mcap: Writer<NoSeek<CountingOutput>>,
+    progress: Arc<Mutex<Progress>>,
+}
+
+/// Number of bytes that have been written to an output, with their checksum and the first error.
+#[derive(Default)]
+struct Progress {
+    bytes: u64,
+    checksum: Hasher,
+    /// First error of the output. The MCAP writer wraps errors in different ways, so the original is stored here.
+    error: Option<io::Error>,
+}
+
+/// Output that counts the bytes written to it and stores their checksum and its first error.
+struct CountingOutput {
+    out: Box<dyn Output>,
+    progress: Arc<Mutex<Progress>>,
+}
+
+fn lock(progress: &Mutex<Progress>) -> std::sync::MutexGuard<'_, Progress> {
+    progress.lock().unwrap_or_else(PoisonError::into_inner)
+}
+
+impl CountingOutput {
+    /// Stores the error in `done` if it is the first one of the output, and returns the result with a copy of the
+    /// error.
+    fn note<T>(&self, done: io::Result<T>) -> io::Result<T> {
         done.map_err(|error| {
-            let mut kept = self.0.lock().unwrap_or_else(PoisonError::into_inner);
             let alike = io::Error::new(error.kind(), error.to_string());
             if error.kind() != io::ErrorKind::Interrupted {
-                kept.get_or_insert(error);
+                lock(&self.progress).error.get_or_insert(error);
             }
             alike
         })
     }
-
-    /// Returns the stored error of the output, if any, and otherwise the error of the MCAP writer.
-    fn as_io_error(&self, error: McapError) -> io::Error {
-        let kept = self.0.lock().unwrap_or_else(PoisonError::into_inner).take();
-        kept.unwrap_or_else(|| match error {
-            McapError::Io(error) => error,
-            other => io::Error::other(other.to_string()),
-        })
-    }
 }
 
-/// Output that stores the first error of the writer below it.
-struct ErrorTrackingOutput {
-    out: Box<dyn Output>,
-    first_error: FirstError,
-}
-
-impl Write for ErrorTrackingOutput {
+impl Write for CountingOutput {
     fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
-        self.first_error.store(self.out.write(bytes))
+        let written = self.out.write(bytes);
+        let written = self.note(written)?;
+        let mut progress = lock(&self.progress);
+        progress.bytes += written as u64;
+        progress.checksum.update(&bytes[..written]);
+        Ok(written)
     }
 
     fn flush(&mut self) -> io::Result<()> {
-        self.first_error.store(self.out.flush())
-    }
-}
-
-impl Seek for ErrorTrackingOutput {
-    fn seek(&mut self, to: SeekFrom) -> io::Result<u64> {
-        self.first_error.store(self.out.seek(to))
+        let flushed = self.out.flush();
+        self.note(flushed)
     }
 }
 
 impl McapFile {
-    /// Creates a recording file.
-    ///
-    /// The file is not compressed: compression would require a C library, and MCAP tools can compress it later.
-    pub(super) fn create(out: Box<dyn Output>) -> io::Result<McapFile> {
+    /// Creates a writer to an output, and writes the header. `profile` is the MCAP profile: `ros2`, or empty.
+    pub(super) fn create(out: Box<dyn Output>, profile: &str) -> io::Result<McapFile> {
         let options = WriteOptions::new()
-            .compression(None)
+            .compression(Some(Compression::Zstd))
+            // The fastest level: higher ones save little, because the numbers of a motion have no structure.
+            .compression_level(1)
+            // No further threads, which would take processor time from the cycle.
+            .compression_threads(0)
+            .profile(profile)
+            .disable_seeking(true)
             .library(concat!("rpi ", env!("CARGO_PKG_VERSION")));
-        let first_error = FirstError::default();
-        let out = ErrorTrackingOutput {
+        let progress = Arc::<Mutex<Progress>>::default();
+        let out = CountingOutput {
             out,
-            first_error: first_error.clone(),
+            progress: Arc::clone(&progress),
         };
-        let mcap = options.create(out);
-        Ok(McapFile {
-            mcap: mcap.map_err(|error| first_error.as_io_error(error))?,
-            first_error,
-            topics: BTreeMap::new(),
-        })
+        match options.create(NoSeek::new(out)) {
+            Ok(mcap) => Ok(McapFile { mcap, progress }),
+            Err(error) => Err(io_error(&progress, error)),
+        }
     }
 
-    /// Adds a topic of JSON objects with these properties, unless the topic exists.
-    pub(super) fn add_json_topic(&mut self, topic: &str, properties: Value) -> io::Result<()> {
-        let schema = json!({ "type": "object", "properties": properties });
-        let schema = ("jsonschema", schema.to_string().into_bytes());
-        self.add_topic(topic, "json", schema)
+    fn check<T>(&self, done: Result<T, McapError>) -> io::Result<T> {
+        done.map_err(|error| io_error(&self.progress, error))
     }
 
-    /// Adds a topic of messages in an RPI-specific binary format. `text` documents the format.
-    pub(super) fn add_binary_topic(
+    /// Adds a channel for the messages of a topic, with its schema and metadata.
+    pub(super) fn add_channel(
         &mut self,
         topic: &str,
-        form: &str,
-        text: &str,
+        encoding: &Encoding,
+        metadata: &BTreeMap<String, String>,
+    ) -> io::Result<FileChannel> {
+        let (name, language) = (&encoding.schema_name, encoding.schema_encoding);
+        let schema = self.mcap.add_schema(name, language, &encoding.schema);
+        let schema = self.check(schema)?;
+        let channel = self
+            .mcap
+            .add_channel(schema, topic, encoding.message, metadata);
+        let id = self.check(channel)?;
+        Ok(FileChannel { id, sequence: 0 })
+    }
+
+    /// Writes a message to a channel. `time` is in nanoseconds since the Unix epoch.
+    pub(super) fn write_message(
+        &mut self,
+        channel: &mut FileChannel,
+        time: u64,
+        data: &[u8],
     ) -> io::Result<()> {
-        self.add_topic(topic, form, (form, text.as_bytes().to_vec()))
-    }
-
-    fn add_topic(&mut self, topic: &str, form: &str, schema: (&str, Vec<u8>)) -> io::Result<()> {
-        if self.topics.contains_key(topic) {
-            return Ok(());
-        }
-        let name = format!("rpi{}", topic.replace('/', "."));
-        let schema = self.mcap.add_schema(&name, schema.0, &schema.1);
-        let schema = schema.map_err(|error| self.first_error.as_io_error(error))?;
-        let channel = self.mcap.add_channel(schema, topic, form, &BTreeMap::new());
-        let channel = channel.map_err(|error| self.first_error.as_io_error(error))?;
-        self.topics.insert(topic.to_owned(), (channel, 0));
-        Ok(())
-    }
-
-    /// Writes a message. Messages to unknown topics are dropped.
-    pub(super) fn write_message(&mut self, topic: &str, time: u64, data: &[u8]) -> io::Result<()> {
-        let Some((channel_id, sequence)) = self.topics.get_mut(topic) else {
-            return Ok(());
-        };
-        *sequence = sequence.wrapping_add(1);
+        channel.sequence = channel.sequence.wrapping_add(1);
         let header = MessageHeader {
-            channel_id: *channel_id,
-            sequence: *sequence,
+            channel_id: channel.id,
+            sequence: channel.sequence,
             log_time: time,
             publish_time: time,
         };
         let written = self.mcap.write_to_known_channel(&header, data);
-        written.map_err(|error| self.first_error.as_io_error(error))
+        self.check(written)
     }
 
-    /// Writes an attachment.
+    /// Writes an attachment: data with a name and a media type.
     pub(super) fn attach(&mut self, name: &str, media: &str, data: &[u8]) -> io::Result<()> {
         let attachment = Attachment {
             log_time: 0,
@@ -148,10 +165,10 @@ impl McapFile {
             data: Cow::Borrowed(data),
         };
         let written = self.mcap.attach(&attachment);
-        written.map_err(|error| self.first_error.as_io_error(error))
+        self.check(written)
     }
 
-    /// Writes a metadata record.
+    /// Writes a metadata record with this name, which has pairs of keys and values.
     pub(super) fn write_metadata(&mut self, name: &str, keys: &[(&str, String)]) -> io::Result<()> {
         let keys = keys.iter().map(|(k, v)| ((*k).to_owned(), v.clone()));
         let metadata = Metadata {
@@ -159,13 +176,35 @@ impl McapFile {
             metadata: keys.collect(),
         };
         let written = self.mcap.write_metadata(&metadata);
-        written.map_err(|error| self.first_error.as_io_error(error))
+        self.check(written)
     }
 
-    /// Writes the summary and footer and flushes the output.
-    pub(super) fn finish(mut self) -> io::Result<()> {
-        let finished = self.mcap.finish();
-        finished.map_err(|error| self.first_error.as_io_error(error))?;
-        self.mcap.into_inner().flush()
+    /// Ends the current chunk. Everything up to here can be read even if the process is killed.
+    pub(super) fn flush(&mut self) -> io::Result<()> {
+        let flushed = self.mcap.flush();
+        self.check(flushed)
     }
+
+    /// Returns the number of bytes written to the output. Messages of the unfinished chunk do not count.
+    pub(super) fn bytes(&self) -> u64 {
+        lock(&self.progress).bytes
+    }
+
+    /// Writes the summary and the footer of the file and flushes the output. Returns the CRC-32 of the whole file.
+    pub(super) fn finish(mut self) -> io::Result<u32> {
+        let finished = self.mcap.finish();
+        self.check(finished)?;
+        self.mcap.into_inner().into_inner().flush()?;
+        let progress = lock(&self.progress);
+        Ok(progress.checksum.clone().finalize())
+    }
+}
+
+/// Returns the original error of the output if there was one, otherwise the error of the MCAP writer as an I/O error.
+fn io_error(progress: &Mutex<Progress>, error: McapError) -> io::Error {
+    let kept = lock(progress).error.take();
+    kept.unwrap_or_else(|| match error {
+        McapError::Io(error) => error,
+        other => io::Error::other(other.to_string()),
+    })
 }

@@ -11,29 +11,47 @@
 //! | `/device/DEVICE` | state of a device after each tick, JSON |
 //! | `/events` | starts, ends, takeovers, faults, answers to requests, lost ticks, JSON |
 //! | `/rpi/requests` | requests to the core, JSON |
+//! | `/rpi/images` | images of the commands |
 //! | `/rpi/tape` | the [tick log](rpi_runtime::tick_log): bit-exact log of each tick |
-//! | attachments | cell description, source of the program, images |
-//! | metadata `rpi`, `rpi-end` | tick length, policy, program; number of ticks written and lost |
+//! | attachments | cell description, source of the program |
+//! | metadata `rpi`, `rpi-end` | tick length, policy, program, number of the part; number of ticks written and lost, or of the next part |
+//!
+//! A [`Profile`] selects the encoding of the messages. A recording may have several parts (`parts`), each a complete file.
 //!
 //! [`replay()`] replays a recording: it makes the same requests in the same ticks on a core whose devices are the
 //! tick log,
 //! and compares every flow, set-point and event. This module must not depend on the compiler.
 
-mod checksum;
+mod bytes_encoding;
+mod chunk;
 mod error;
 mod event_json;
+mod field_tree;
 mod mcap_file;
 mod names;
+mod own_topics;
+mod part_source;
+mod part_writer;
+mod parts;
+mod profile;
 mod reader;
+mod record_parser;
 mod recorder;
 mod replay;
 mod replay_report;
 mod request_json;
+mod ros2;
+mod scene;
+mod text_encoding;
+mod topic;
+mod topic_table;
 mod value_json;
 mod writer;
 
 pub use error::RecordingError;
 pub use mcap_file::Output;
+pub use parts::{OpenPart, PartLimits, part_files, part_path, single_part};
+pub use profile::Profile;
 pub use reader::Recording;
 pub use recorder::{Recorder, RecordingOptions, RunSources, record};
 pub use replay::replay;

@@ -11,19 +11,19 @@ use rpi_sim::{Cell, SimBank};
 
 use rpi_runtime::run::sampled_flows;
 
-/// Name and type of a device port or of a flow of a command.
+/// Name and type of a device port, or of a flow of a command, whose values are recorded.
 #[derive(Clone, PartialEq, Eq, Debug)]
 pub(super) struct FlowName {
     /// Name of the device or command.
     pub(super) owner: String,
-    /// Name of the port or flow within its device or command.
+    /// Name of the port or flow within its device or command, such as `joint.position[2]`.
     pub(super) name: String,
     /// Type of the values of the port or flow.
     pub(super) ty: Type,
 }
 
 impl FlowName {
-    /// Returns a value of this port or flow as JSON text.
+    /// Returns a value of this port or flow as JSON text. `value` holds its memory words; `None` is an absent value.
     pub(super) fn value_to_json(&self, value: Option<&[u64]>) -> String {
         let mut text = String::new();
         super::value_json::write(&mut text, value, self.ty);
@@ -31,38 +31,42 @@ impl FlowName {
     }
 }
 
-/// Names of the ports, images and commands that occurred so far.
+/// Names and types of the device ports, images and flows of commands that occurred so far. The tick log refers to them
+/// by number.
 pub(super) struct NameTable {
     bank: SimBank,
     devices: Vec<String>,
     ports: BTreeMap<u32, FlowName>,
-    /// Images in order of first use; `None` once no command runs the image any more.
-    images: Vec<Option<Arc<Image>>>,
-    /// For each image, its recorded flows.
-    flows: Vec<Vec<FlowName>>,
-    /// For each command number, the index of its image.
+    /// Images that commands run, with their recorded flows, by number. Images are numbered from 0 in the order of first
+    /// use.
+    images: BTreeMap<usize, (Arc<Image>, Vec<FlowName>)>,
+    /// Number that the next new image receives.
+    next_image: usize,
+    /// For each command number, the number of the image that the command runs.
     commands: BTreeMap<u64, usize>,
 }
 
 impl NameTable {
-    /// Returns the table for a cell, without any commands.
+    /// Creates the table for the devices of a cell, without any commands. `tick_ns` is the tick length in nanoseconds.
     pub(super) fn new(cell: &Cell, tick_ns: u64) -> NameTable {
         NameTable {
             bank: SimBank::new(cell, tick_ns as f64 * 1e-9),
             devices: cell.devices.iter().map(|d| d.name.clone()).collect(),
             ports: BTreeMap::new(),
-            images: Vec::new(),
-            flows: Vec::new(),
+            images: BTreeMap::new(),
+            next_image: 0,
             commands: BTreeMap::new(),
         }
     }
 
-    /// Adds a command with its image. Returns true if the image is new.
+    /// Adds a command with its image. Returns true if no earlier command had this image.
     pub(super) fn insert_command(&mut self, command: CommandId, image: &Arc<Image>) -> bool {
-        let same =
-            |known: &Option<Arc<Image>>| known.as_ref().is_some_and(|i| Arc::ptr_eq(i, image));
-        let known = self.images.iter().position(same);
-        let index = known.unwrap_or(self.images.len());
+        let same = self
+            .images
+            .iter()
+            .find(|(_, (known, _))| Arc::ptr_eq(known, image));
+        let known = same.map(|(number, _)| *number);
+        let index = known.unwrap_or(self.next_image);
         self.commands.insert(command.to_number(), index);
         if known.is_none() {
             self.add_image(image);
@@ -88,46 +92,58 @@ impl NameTable {
                 .to_owned(),
             ty: signal.ty,
         });
-        self.flows.push(flows.collect());
-        self.images.push(Some(Arc::clone(image)));
+        let known = (Arc::clone(image), flows.collect());
+        self.images.insert(self.next_image, known);
+        self.next_image += 1;
     }
 
-    /// Removes a command, and its image unless another command runs it.
-    pub(super) fn remove_command(&mut self, command: CommandId) {
+    /// Removes a command, and its image unless another command runs it. Returns the number of the removed image; `None`
+    /// if no image was removed.
+    pub(super) fn remove_command(&mut self, command: CommandId) -> Option<usize> {
         let index = self.commands.remove(&command.to_number());
-        let index = index.filter(|index| !self.commands.values().any(|other| other == index));
-        if let Some(index) = index {
-            (self.images[index], self.flows[index]) = (None, Vec::new());
-        }
+        let index = index.filter(|index| !self.commands.values().any(|other| other == index))?;
+        self.images.remove(&index);
+        Some(index)
     }
 
-    /// Adds a device port and returns its number; `None` if the device bank does not have the port.
+    /// Adds a device port and returns its number in the device bank; `None` if the bank does not have the port.
     fn add_port(&mut self, port: &DevicePort, kind: PortKind) -> Option<u32> {
         let PortId(number) = self.bank.resolve(&PortQuery::new(port, kind)).ok()?;
-        self.ports.entry(number).or_insert_with(|| FlowName {
-            owner: port.device.clone(),
-            name: match port.index {
-                0 => port.port.clone(),
-                index => format!("{}[{index}]", port.port),
-            },
-            ty: port.ty,
-        });
+        if !self.ports.contains_key(&number) {
+            let name = match self.is_indexed(port, kind) {
+                true => format!("{}[{}]", port.port, port.index),
+                false => port.port.clone(),
+            };
+            let named = FlowName {
+                owner: port.device.clone(),
+                name,
+                ty: port.ty,
+            };
+            self.ports.insert(number, named);
+        }
         Some(number)
     }
 
-    /// Returns the recorded flows of the image with this index.
-    pub(super) fn flows(&self, image: usize) -> &[FlowName] {
-        self.flows.get(image).map_or(&[], Vec::as_slice)
+    /// Returns whether a device has several ports with this name, which an index distinguishes.
+    fn is_indexed(&mut self, port: &DevicePort, kind: PortKind) -> bool {
+        let mut second = PortQuery::new(port, kind);
+        second.index = 1;
+        port.index > 0 || self.bank.resolve(&second).is_ok()
     }
 
-    /// Returns the sensors that an image reads, grouped by device.
-    pub(super) fn sensors_by_device(&mut self, image: &Image) -> BTreeMap<String, Vec<FlowName>> {
+    /// Returns the recorded flows of the image with this number, in the order of their indices; empty if it is unknown.
+    pub(super) fn flows(&self, image: usize) -> &[FlowName] {
+        self.images.get(&image).map_or(&[], |(_, flows)| flows)
+    }
+
+    /// Returns the numbers of the sensor ports that an image reads, by the name of the device.
+    pub(super) fn sensors_by_device(&mut self, image: &Image) -> BTreeMap<String, Vec<u32>> {
         let ports = image.sensors.iter().map(|s| &s.port);
         self.by_device(ports, PortKind::Sensor)
     }
 
-    /// Returns the actuators that an image sets, grouped by device.
-    pub(super) fn actuators_by_device(&mut self, image: &Image) -> BTreeMap<String, Vec<FlowName>> {
+    /// Returns the numbers of the actuator ports that an image sets, by the name of the device.
+    pub(super) fn actuators_by_device(&mut self, image: &Image) -> BTreeMap<String, Vec<u32>> {
         let ports = image.actuators.iter().map(|a| &a.port);
         self.by_device(ports, PortKind::Actuator)
     }
@@ -136,13 +152,11 @@ impl NameTable {
         &mut self,
         ports: impl Iterator<Item = &'a DevicePort>,
         kind: PortKind,
-    ) -> BTreeMap<String, Vec<FlowName>> {
-        let mut devices: BTreeMap<String, Vec<FlowName>> = BTreeMap::new();
+    ) -> BTreeMap<String, Vec<u32>> {
+        let mut devices: BTreeMap<String, Vec<u32>> = BTreeMap::new();
         for port in ports {
-            let number = self.add_port(port, kind);
-            let named = number.and_then(|number| self.ports.get(&number));
-            let named = named.cloned().into_iter();
-            named.for_each(|n| devices.entry(n.owner.clone()).or_default().push(n));
+            let number = self.add_port(port, kind).into_iter();
+            number.for_each(|n| devices.entry(port.device.clone()).or_default().push(n));
         }
         devices
     }
@@ -152,29 +166,34 @@ impl NameTable {
         self.ports.get(&number)
     }
 
-    /// Returns the name and type of a flow of a command, by index; `None` if there is none.
+    /// Returns the name and type of the flow with this index of the command with this number; `None` if there is none.
     pub(super) fn flow_name(&self, command: u64, flow: u32) -> Option<&FlowName> {
-        let image = *self.commands.get(&command)?;
-        self.flows.get(image)?.get(flow as usize)
+        self.flows(self.image_of(command)?).get(flow as usize)
     }
 
-    /// Returns the index of the image that a command runs.
+    /// Returns the number of the image that the command with this number runs; `None` if the command is unknown.
+    pub(super) fn image_of(&self, command: u64) -> Option<usize> {
+        self.commands.get(&command).copied()
+    }
+
+    /// Returns the number of the image that a command runs; `None` if the command is unknown.
     pub(super) fn image_index(&self, command: CommandId) -> Option<usize> {
-        self.commands.get(&command.to_number()).copied()
+        self.image_of(command.to_number())
     }
 
-    /// Returns the image that a command runs.
+    /// Returns the image that a command runs; `None` if the command is unknown.
     pub(super) fn image(&self, command: CommandId) -> Option<&Image> {
-        self.images.get(self.image_index(command)?)?.as_deref()
+        let (image, _) = self.images.get(&self.image_index(command)?)?;
+        Some(image)
     }
 
-    /// Returns the name of a command; `?` if the command is unknown.
+    /// Returns the name of the image that a command runs; `?` if the command is unknown.
     pub(super) fn command_name(&self, command: CommandId) -> &str {
         self.image(command).map_or("?", |image| &image.name)
     }
 
-    /// Returns the name of the device of an actuator. The upper 16 bits of a resource number are the index of its
-    /// device.
+    /// Returns the name of the device to which an actuator belongs. The upper 16 bits of the resource number are the
+    /// index of the device.
     pub(super) fn actuator_device_name(&self, resource: u32) -> &str {
         self.device_name((resource >> 16) as usize)
     }

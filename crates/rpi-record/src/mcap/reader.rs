@@ -1,158 +1,327 @@
-//! Reads a recording file.
+//! Reads a recording: its parts, and the requests, events and images in them.
+//!
+//! The ticks are not kept: they are read again, one by one, whenever they are needed, so that a recording of any length can be
+//! replayed.
 
 use std::collections::BTreeMap;
+use std::path::Path;
 use std::sync::Arc;
 
-use mcap::read::ChunkFlattener;
 use mcap::records::Record;
 use rpi_core::Continuity;
 use rpi_image::Image;
 use rpi_sim::Cell;
 use serde_json::Value;
 
-use super::checksum;
 use super::error::RecordingError;
-use super::recorder::policy_from_keyword;
-use super::writer::{EVENTS, REQUESTS, TAPE};
+use super::own_topics::{EVENTS, IMAGES, REQUESTS, TAPE};
+use super::part_source::{PartEnd, PartSource};
+use super::parts::{FIRST_PART, part_path};
+use super::recorder::{FORM, policy_from_keyword};
+use super::{bytes_encoding, text_encoding};
 
-/// Content of a recording: cell, images, requests, events and the logged words of each tick.
+/// Maximum total size in bytes of the requests, events and images of a recording that are loaded into memory.
+const MAX_KEPT: usize = 1 << 30;
+
+/// Content of a recording that was opened for a replay. The ticks stay in the files and are read when they are needed.
 #[derive(Debug)]
 pub struct Recording {
     /// Tick length in nanoseconds.
     pub tick_ns: u64,
-    /// File name of the recorded program.
+    /// File name of the program that was run.
     pub program: String,
     pub(super) continuity: Continuity,
     pub(super) cell: Cell,
     pub(super) images: Vec<Arc<Image>>,
     pub(super) requests: Vec<Value>,
     pub(super) events: Vec<Value>,
-    /// Logged words of each tick: the values of the sensors, flows and set-points.
-    pub(super) ticks: Vec<Vec<u64>>,
-    /// Number of lost ticks, from the `rpi-end` metadata.
+    /// Number of ticks that are missing in the recording, as stored at its end; 0 if the recording was cut off.
     pub(super) lost: u64,
+    /// Reason why the recording has no end, such as a missing file or a killed process. `None` for a complete
+    /// recording.
+    pub cut: Option<String>,
+    parts: Vec<PartSource>,
 }
 
-/// Records of an MCAP file, sorted by kind.
+/// Records of a recording that are loaded into memory: all but the ticks and the messages for viewers.
 #[derive(Default)]
-struct McapRecords {
-    topics: BTreeMap<u16, String>,
-    attachments: BTreeMap<String, Vec<u8>>,
+struct RecordCollection {
+    /// Number of the part (file) that is being read, from 1.
+    part: u32,
+    /// CRC-32 of the previous part; `None` in the first part.
+    previous: Option<u32>,
+    /// Topic and message encoding of each channel of the part that is being read, by channel number.
+    channels: BTreeMap<u16, (String, String)>,
     metadata: BTreeMap<String, BTreeMap<String, String>>,
-    /// Message data by topic.
-    messages: BTreeMap<String, Vec<Vec<u8>>>,
+    cell: Option<Vec<u8>>,
+    images: Vec<Arc<Image>>,
+    requests: Vec<Value>,
+    events: Vec<Value>,
+    /// Total size of the messages that were loaded into memory, in bytes.
+    size: usize,
 }
 
 impl Recording {
-    /// Reads a recording.
+    /// Opens a recording. `path` is the file of its first part. Further parts are the files beside it with their number
+    /// before the extension.
     ///
     /// # Errors
-    /// Returns an error if the bytes are not a complete recording.
-    pub fn read(bytes: &[u8]) -> Result<Recording, RecordingError> {
-        let mut parts = McapRecords::read(bytes)?;
-        let about = parts.metadata.remove("rpi");
-        let about = about.ok_or_else(|| RecordingError::NotRpi("metadata `rpi`".into()))?;
-        let key = |name: &str| {
-            let value = about.get(name).cloned();
-            value.ok_or_else(|| RecordingError::Missing(format!("{name} in its metadata")))
-        };
-        if key("form")? != "1" {
-            return Err(RecordingError::NotRpi(format!("form {}", key("form")?)));
-        }
-        // A file without its end record may lack the last ticks and events.
-        let end = parts.metadata.get("rpi-end").and_then(|m| m.get("lost"));
-        let lost = end.and_then(|lost| lost.parse().ok());
-        Ok(Recording {
-            tick_ns: parse_tick_ns(&key("tick_ns")?)?,
-            program: key("program")?,
-            continuity: policy_from_keyword(&key("on_jump")?).unwrap_or_default(),
-            cell: parts.cell()?,
-            images: parts.images()?,
-            requests: parts.json(REQUESTS)?,
-            events: parts.json(EVENTS)?,
-            ticks: parts.ticks(),
-            lost: lost
-                .ok_or_else(|| RecordingError::Damaged("the end record is missing".into()))?,
+    /// Returns an error if the file is not a recording, or is damaged.
+    pub fn open(path: &Path) -> Result<Recording, RecordingError> {
+        Recording::read_parts(|part| {
+            let file = part_path(path, part);
+            match part == FIRST_PART || file.exists() {
+                true => Ok(PartSource::File(file)),
+                false => Err(format!("the part {} is missing", file.display())),
+            }
         })
     }
-}
 
-fn parse_tick_ns(text: &str) -> Result<u64, RecordingError> {
-    let number = text.parse().ok().filter(|number| *number > 0);
-    number.ok_or_else(|| RecordingError::Damaged(format!("`{text}` is not a valid tick length")))
-}
-
-impl McapRecords {
-    fn read(bytes: &[u8]) -> Result<McapRecords, RecordingError> {
-        let broken = |error: mcap::McapError| RecordingError::Damaged(error.to_string());
-        let mut parts = McapRecords::default();
-        checksum::verify(bytes).map_err(|why| RecordingError::Damaged(why.to_owned()))?;
-        for record in ChunkFlattener::new(bytes).map_err(broken)? {
-            parts.add_record(record.map_err(broken)?);
-        }
-        Ok(parts)
+    /// Reads a recording of one part from memory.
+    ///
+    /// # Errors
+    /// Returns an error if the bytes are not a recording, or are damaged.
+    pub fn read(bytes: &[u8]) -> Result<Recording, RecordingError> {
+        Recording::read_parts(|part| match part {
+            FIRST_PART => Ok(PartSource::Bytes(bytes.into())),
+            _ => Err(format!("part {part} is missing")),
+        })
     }
 
-    fn add_record(&mut self, record: Record<'_>) {
+    fn read_parts(
+        open: impl Fn(u32) -> Result<PartSource, String>,
+    ) -> Result<Recording, RecordingError> {
+        let mut kept = RecordCollection::default();
+        let mut parts = Vec::new();
+        let mut previous = None;
+        let mut number = FIRST_PART;
+        let end = loop {
+            let source = match open(number) {
+                Ok(source) => source,
+                Err(missing) => break Err(missing),
+            };
+            let end = kept.read_part(&source, (number, previous))?;
+            parts.push(source);
+            match end {
+                PartEnd::Complete { checksum } => previous = Some(checksum),
+                PartEnd::Cut(why) => break Err(why),
+            }
+            match kept.next_part()? {
+                Some(next) => number = next,
+                None => break Ok(()),
+            }
+        };
+        kept.finish(parts, end)
+    }
+
+    /// Passes the words of each tick of the tick log to `take`, until it returns false.
+    ///
+    /// # Errors
+    /// Returns an error if a file has changed since it was opened, and the errors of `take`.
+    pub(super) fn for_each_tick(
+        &self,
+        mut take: impl FnMut(&[u64]) -> Result<bool, RecordingError>,
+    ) -> Result<(), RecordingError> {
+        let mut words = Vec::new();
+        for part in &self.parts {
+            let mut channels = BTreeMap::new();
+            let end = part.read(|record| match record {
+                Record::Channel(channel) if channel.topic == TAPE => {
+                    channels.insert(channel.id, channel.message_encoding);
+                    Ok(true)
+                }
+                Record::Message { header, data } => match channels.get(&header.channel_id) {
+                    Some(encoding) => {
+                        let bytes = bytes_encoding::decode(encoding, &data);
+                        let chunks = bytes.as_chunks().0.iter();
+                        words.clear();
+                        words.extend(chunks.map(|bytes| u64::from_le_bytes(*bytes)));
+                        take(&words)
+                    }
+                    None => Ok(true),
+                },
+                _ => Ok(true),
+            })?;
+            if end.is_none() {
+                break;
+            }
+        }
+        Ok(())
+    }
+}
+
+impl RecordCollection {
+    /// Reads the part with the number `part`, which follows the part with the checksum `previous`. Returns how the part
+    /// ends.
+    fn read_part(
+        &mut self,
+        source: &PartSource,
+        (part, previous): (u32, Option<u32>),
+    ) -> Result<PartEnd, RecordingError> {
+        (self.part, self.previous) = (part, previous);
+        self.channels.clear();
+        let before = std::mem::take(&mut self.metadata);
+        let end = source.read(|record| self.take(record).map(|()| true))?;
+        let end = end.unwrap_or_else(|| PartEnd::Cut("the reading has ended".to_owned()));
+        if part > FIRST_PART && self.metadata.is_empty() && matches!(end, PartEnd::Cut(_)) {
+            // A later part that was cut off before its head has nothing to replay.
+            self.metadata = before;
+        }
+        self.key("form")?;
+        Ok(end)
+    }
+
+    fn take(&mut self, record: Record<'_>) -> Result<(), RecordingError> {
         match record {
             Record::Channel(channel) => {
-                self.topics.insert(channel.id, channel.topic);
+                let about = (channel.topic, channel.message_encoding);
+                self.channels.insert(channel.id, about);
             }
-            Record::Attachment { header, data, .. } => {
-                self.attachments.insert(header.name, data.into_owned());
+            Record::Attachment { header, data, .. } if header.name == "cell.toml" => {
+                self.cell.get_or_insert(data.into_owned());
             }
             Record::Metadata(metadata) => {
+                let is_head = metadata.name == "rpi";
                 self.metadata.insert(metadata.name, metadata.metadata);
+                if is_head {
+                    self.check_head()?;
+                }
             }
             Record::Message { header, data } => {
-                let topic = self.topics.get(&header.channel_id);
-                // Messages for viewers are not needed for a replay.
-                if let Some(topic) =
-                    topic.filter(|t| [TAPE, REQUESTS, EVENTS].contains(&t.as_str()))
-                {
-                    let messages = self.messages.entry(topic.clone()).or_default();
-                    messages.push(data.into_owned());
+                if let Some((topic, encoding)) = self.channels.get(&header.channel_id).cloned() {
+                    self.take_message(&topic, &encoding, &data)?;
                 }
             }
             _ => {}
         }
+        Ok(())
+    }
+
+    fn take_message(
+        &mut self,
+        topic: &str,
+        encoding: &str,
+        data: &[u8],
+    ) -> Result<(), RecordingError> {
+        match topic {
+            REQUESTS => self.requests.push(json(topic, encoding, data)?),
+            EVENTS => self.events.push(json(topic, encoding, data)?),
+            IMAGES => self.take_image(bytes_encoding::decode(encoding, data))?,
+            // Ticks are read when they are replayed. Messages for viewers are not needed for a replay.
+            _ => return Ok(()),
+        }
+        self.size = self.size.saturating_add(data.len());
+        match self.size > MAX_KEPT {
+            true => Err(RecordingError::TooLarge(MAX_KEPT)),
+            false => Ok(()),
+        }
+    }
+
+    /// Decodes and stores an image. Images must have the number of their message, counted from 0.
+    fn take_image(&mut self, data: &[u8]) -> Result<(), RecordingError> {
+        let broken = |why: String| RecordingError::Damaged(format!("invalid image: {why}"));
+        let (number, bytes) = data
+            .split_first_chunk()
+            .ok_or_else(|| broken("it has no number".to_owned()))?;
+        if u64::from_le_bytes(*number) != self.images.len() as u64 {
+            return Err(broken("its number is not the next one".to_owned()));
+        }
+        let image = Image::from_bytes(bytes).map_err(|error| broken(error.to_string()))?;
+        self.images.push(Arc::new(image));
+        Ok(())
+    }
+
+    /// Returns the value of a key in the metadata of the part that is being read, or an error if the key is missing.
+    fn key(&self, name: &str) -> Result<&str, RecordingError> {
+        let about = self.metadata.get("rpi");
+        let about = about.ok_or_else(|| RecordingError::NotRpi("metadata `rpi`".into()))?;
+        let value = about.get(name).map(String::as_str);
+        value.ok_or_else(|| RecordingError::Missing(format!("{name} in its metadata")))
+    }
+
+    /// Returns an error unless the metadata say that the file is the part that is being read, of a known version, and
+    /// follows the previous part.
+    fn check_head(&self) -> Result<(), RecordingError> {
+        let number = self.part;
+        let form = self.key("form")?;
+        if form != FORM {
+            let version = self.key("version").unwrap_or("?");
+            return Err(RecordingError::NotRpi(format!(
+                "form {form} of version {version}, this version reads form {FORM}"
+            )));
+        }
+        let own = self.key("part")?;
+        if own != number.to_string() {
+            return Err(RecordingError::NotRpi(match number {
+                FIRST_PART => format!("part {own} of a recording, name the file of its first part"),
+                _ => format!("part {own} in place of part {number}"),
+            }));
+        }
+        let sum = self.previous.map(|sum| format!("{sum:08x}"));
+        match sum.is_none_or(|sum| self.key("previous") == Ok(&sum)) {
+            true => Ok(()),
+            false => Err(RecordingError::NotRpi(format!(
+                "part {number} belongs to another recording"
+            ))),
+        }
+    }
+
+    /// Returns the number of the part that follows the present one; `None` at the end of the recording.
+    fn next_part(&self) -> Result<Option<u32>, RecordingError> {
+        let end = self.metadata.get("rpi-end");
+        let end = end.ok_or_else(|| RecordingError::Missing("end record".into()))?;
+        let Some(next) = end.get("continues") else {
+            return Ok(None);
+        };
+        let wrong = || RecordingError::Damaged(format!("`{next}` is not the next part"));
+        let next = next.parse().map_err(|_| wrong())?;
+        match next == self.part.saturating_add(1) {
+            true => Ok(Some(next)),
+            false => Err(wrong()),
+        }
+    }
+
+    fn finish(
+        self,
+        parts: Vec<PartSource>,
+        end: Result<(), String>,
+    ) -> Result<Recording, RecordingError> {
+        let lost = self.metadata.get("rpi-end").and_then(|end| end.get("lost"));
+        let lost = lost.and_then(|lost| lost.parse().ok());
+        let lost = match &end {
+            Ok(()) => lost.ok_or_else(|| RecordingError::Missing("number of lost ticks".into()))?,
+            Err(_) => 0,
+        };
+        Ok(Recording {
+            tick_ns: parse_tick_ns(self.key("tick_ns")?)?,
+            program: self.key("program")?.to_owned(),
+            continuity: policy_from_keyword(self.key("on_jump")?).unwrap_or_default(),
+            cell: self.cell()?,
+            images: self.images,
+            requests: self.requests,
+            events: self.events,
+            lost,
+            cut: end.err(),
+            parts,
+        })
     }
 
     fn cell(&self) -> Result<Cell, RecordingError> {
-        let text = self.attachments.get("cell.toml");
+        let text = self.cell.as_ref();
         let text = text.ok_or_else(|| RecordingError::Missing("cell".into()))?;
         let text = String::from_utf8_lossy(text);
         let broken =
             |errors| RecordingError::Damaged(format!("invalid cell description: {errors}"));
         Cell::parse("cell.toml", &text).map_err(broken)
     }
+}
 
-    fn images(&self) -> Result<Vec<Arc<Image>>, RecordingError> {
-        let images = self.attachments.range("images/".to_owned()..);
-        let images = images.take_while(|(name, _)| name.starts_with("images/"));
-        let broken = |error| RecordingError::Damaged(format!("invalid image: {error}"));
-        images
-            .map(|(_, bytes)| Image::from_bytes(bytes).map(Arc::new).map_err(broken))
-            .collect()
-    }
+fn json(topic: &str, encoding: &str, data: &[u8]) -> Result<Value, RecordingError> {
+    let text = text_encoding::decode(encoding, data);
+    serde_json::from_slice(text).map_err(|e| RecordingError::Damaged(format!("{topic}: {e}")))
+}
 
-    fn json(&self, topic: &str) -> Result<Vec<Value>, RecordingError> {
-        let messages = self.messages.get(topic).into_iter().flatten();
-        let broken = |error| RecordingError::Damaged(format!("{topic}: {error}"));
-        messages
-            .map(|data| serde_json::from_slice(data).map_err(broken))
-            .collect()
-    }
-
-    fn ticks(&mut self) -> Vec<Vec<u64>> {
-        let word = |bytes: &[u8]| {
-            let bytes = bytes.try_into().unwrap_or_default();
-            u64::from_le_bytes(bytes)
-        };
-        let messages = self.messages.remove(TAPE).unwrap_or_default();
-        messages
-            .iter()
-            .map(|data| data.chunks_exact(8).map(word).collect())
-            .collect()
-    }
+fn parse_tick_ns(text: &str) -> Result<u64, RecordingError> {
+    let number = text.parse().ok().filter(|number| *number > 0);
+    number.ok_or_else(|| RecordingError::Damaged(format!("`{text}` is not a valid tick length")))
 }

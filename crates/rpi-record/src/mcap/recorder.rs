@@ -13,50 +13,63 @@ use rpi_runtime::run::{Recorded, RecordingStats, RunRecorder, StartRecording, Ti
 use rpi_runtime::tick_log::{LoggingBank, TickLogReader};
 use rpi_sim::{Cell, SimBank};
 
-use super::mcap_file::{McapFile, Output};
 use super::names::NameTable;
+use super::own_topics::OwnTopics;
+use super::part_writer::{PartHead, PartWriter};
+use super::parts::{OpenPart, PartLimits};
+use super::profile::Profile;
+use super::scene::Scene;
+use super::topic_table::TopicTable;
 use super::writer::{RECORDING, RecorderMessage, RecordingWriter};
 
-/// Program and cell of a run, stored in its recording.
+/// Program and cell description of a run, stored in its recording.
 #[derive(Clone, PartialEq, Eq, Debug, Default)]
 pub struct RunSources {
-    /// File name of the program.
+    /// File name of the program, as it is stored in the recording.
     pub program: String,
     /// Content of the program file.
     pub program_bytes: Vec<u8>,
-    /// Text of the cell description.
+    /// Text of the cell description (`cell.toml`).
     pub cell: String,
 }
 
-/// Destination and origin of a new recording.
+/// Options of a new recording: its files, its encoding, and the program and cell that it stores.
 pub struct RecordingOptions {
-    /// Destination of the recording.
-    pub out: Box<dyn Output>,
-    /// Program and cell that are stored in the recording.
+    /// Function that opens the files of the recording, one for each part.
+    pub parts: OpenPart,
+    /// Maximum size and duration of a part.
+    pub limits: PartLimits,
+    /// Encoding of the messages for viewers.
+    pub profile: Profile,
+    /// Program and cell description that are stored in the recording.
     pub origin: RunSources,
 }
 
-/// Capacity of the queue from the host to the writer thread, in messages about requests and events.
+/// Version of the layout of a recording. Recordings of version 1, which had the images as attachments, cannot be read.
+pub(super) const FORM: &str = "2";
+
+/// Capacity of the queue from the host to the thread that writes the recording, in messages (requests and events).
 const NOTES: usize = 1 << 16;
 
-/// Part of the recorder that the host uses: it forwards requests and events to the writer thread and joins the thread
-/// at the end.
+/// Recorder of a run, as used outside the cycle: it forwards requests and events to the thread that writes the
+/// recording, and waits for the thread at the end.
 pub struct Recorder {
     notes: SyncSender<RecorderMessage>,
-    /// Number of requests and events dropped because the queue to the writer thread was full. A recording with dropped
-    /// ones cannot be replayed.
+    /// Number of requests and events that were dropped because the queue to the writer thread was full. A recording
+    /// without them cannot be replayed.
     lost_notes: Arc<AtomicU64>,
-    /// Number of lost ticks, set when the recording ends.
+    /// Number of ticks that are missing in the recording. Setting it at the end of the run makes the writer thread
+    /// finish.
     lost_ticks: Arc<AtomicU64>,
-    /// Error that stopped the writer, if any.
+    /// Error that stopped the writer thread; empty if there was none.
     write_error: Arc<OnceLock<String>>,
     thread: JoinHandle<io::Result<RecordingStats>>,
 }
 
 /// Starts recording a core and its devices.
 ///
-/// Returns the recorder for the host and the collector for the cycle. `continuity` is the policy of commands that have
-/// none of their own.
+/// Returns the recorder for the host and the collector of ticks for the cycle. `tick_ns` is the tick length in
+/// nanoseconds; `continuity` is the policy for discontinuities of commands that have none of their own.
 ///
 /// # Errors
 /// Returns the errors of the output, and an error if no thread can be created.
@@ -78,20 +91,21 @@ pub fn record(
     Ok((recorder, collector))
 }
 
-/// Continuity policies and their keywords in a recording.
+/// Keywords by which recordings store the policies for takeovers with a discontinuity of the set-points.
 const CONTINUITY_KEYWORDS: [(Continuity, &str); 3] = [
     (Continuity::Reject, "refuse"),
     (Continuity::AbortAll, "stop"),
     (Continuity::Allow, "allow"),
 ];
 
-/// Returns the word that recordings use for a continuity policy.
+/// Returns the keyword by which recordings store a policy for takeovers with a discontinuity.
 pub(super) fn policy_keyword(continuity: Continuity) -> &'static str {
     let found = CONTINUITY_KEYWORDS.iter().find(|(c, _)| *c == continuity);
     found.map_or("", |(_, word)| word)
 }
 
-/// Returns the continuity policy for the word that recordings use; `None` for an unknown word.
+/// Returns the policy for takeovers with a discontinuity that recordings store by this keyword; `None` for an unknown
+/// keyword.
 pub(super) fn policy_from_keyword(word: &str) -> Option<Continuity> {
     CONTINUITY_KEYWORDS
         .iter()
@@ -100,7 +114,7 @@ pub(super) fn policy_from_keyword(word: &str) -> Option<Continuity> {
 }
 
 impl Recorder {
-    /// Starts a recording and its writer thread.
+    /// Starts a recording and the thread that writes it.
     ///
     /// # Errors
     /// Returns the errors of the output, and an error if no thread can be created.
@@ -109,22 +123,29 @@ impl Recorder {
         run: Recorded<'_>,
         tick_log: TickLogReader,
     ) -> io::Result<Recorder> {
-        let mut file = McapFile::create(wanted.out)?;
-        write_metadata(&mut file, &wanted.origin, run.tick_ns, run.continuity)?;
+        let profile = wanted.profile;
+        let head = PartHead {
+            keys: metadata(&wanted.origin, run.tick_ns, run.continuity),
+            origin: wanted.origin,
+            profile: profile.mcap_name(),
+        };
         let (notes, receiver) = sync_channel(NOTES);
-        let mut writer = RecordingWriter {
-            file,
+        let writer = RecordingWriter {
+            parts: PartWriter::begin(wanted.parts, wanted.limits, head)?,
+            own: OwnTopics::new(profile),
             names: NameTable::new(run.cell, run.tick_ns),
-            channels: run.channels.to_vec(),
+            topics: TopicTable::new(profile, run.channels),
+            scene: Scene::new(profile, run.cell, run.channels, run.tick_ns),
             tick_log,
             notes: receiver,
             written: RecordingStats::default(),
             freed: Vec::new(),
             freed_last_turn: Vec::new(),
-            latest: 0,
+            latest: None,
+            tick_ns: run.tick_ns,
+            early: Vec::new(),
             event_tick: 0,
         };
-        writer.add_topics()?;
         let lost_ticks = Arc::new(AtomicU64::new(RECORDING));
         let ending = Arc::clone(&lost_ticks);
         let write_error = Arc::new(OnceLock::new());
@@ -145,7 +166,7 @@ impl Recorder {
         })
     }
 
-    /// Returns the callback that records each request when it is sent to the core.
+    /// Returns the callback that the control core calls for each request before it is sent.
     fn request_callback(&self) -> RequestLog {
         let (notes, lost) = (self.notes.clone(), Arc::clone(&self.lost_notes));
         Box::new(move |ticket, request| {
@@ -162,19 +183,19 @@ impl Recorder {
         );
     }
 
-    /// Returns false once the writer has stopped: no more data is written to the file.
+    /// Returns false once the writer thread has stopped, after which no more data is written.
     #[must_use]
     pub fn is_writing(&self) -> bool {
         !self.thread.is_finished()
     }
 
-    /// Returns the error that stopped the writer, if any.
+    /// Returns the error that stopped the writer thread; `None` if there was none.
     #[must_use]
     pub fn write_error(&self) -> Option<&str> {
         self.write_error.get().map(String::as_str)
     }
 
-    /// Ends the recording. `lost` is the number of ticks that did not fit on the tick log.
+    /// Ends the recording and returns its statistics. `lost` is the number of ticks that did not fit into the tick log.
     ///
     /// # Errors
     /// Returns the first error of the output, and an error if requests or events were dropped.
@@ -227,23 +248,20 @@ fn send_note(notes: &SyncSender<RecorderMessage>, lost: &AtomicU64, note: Record
     }
 }
 
-fn write_metadata(
-    file: &mut McapFile,
+/// Returns keys and values of the metadata of a recording: versions, tick length, policy, and name and hash of the
+/// program.
+fn metadata(
     origin: &RunSources,
     tick_ns: u64,
     continuity: Continuity,
-) -> io::Result<()> {
+) -> Vec<(&'static str, String)> {
     let hash = Fnv1a::new().with_bytes(&origin.program_bytes).finish();
-    let keys = [
-        ("form", "1".to_owned()),
+    vec![
+        ("form", FORM.to_owned()),
         ("tick_ns", tick_ns.to_string()),
         ("on_jump", policy_keyword(continuity).to_owned()),
         ("program", origin.program.clone()),
         ("program_hash", format!("{hash:016x}")),
         ("version", env!("CARGO_PKG_VERSION").to_owned()),
-    ];
-    file.write_metadata("rpi", &keys)?;
-    file.attach("cell.toml", "application/toml", origin.cell.as_bytes())?;
-    let program = format!("program/{}", origin.program);
-    file.attach(&program, "text/plain", &origin.program_bytes)
+    ]
 }

@@ -5,7 +5,8 @@ use std::fmt;
 use rpi_words::with_noun;
 use serde::Serialize;
 
-/// Result of replaying a recording.
+/// Result of replaying a recording: counts of the compared data, the reasons for an early end, and the first
+/// difference.
 #[derive(Clone, PartialEq, Eq, Debug, Default, Serialize)]
 pub struct ReplayReport {
     /// Number of ticks that were replayed.
@@ -16,28 +17,30 @@ pub struct ReplayReport {
     pub values: u64,
     /// Number of events that were compared.
     pub events: u64,
-    /// Number of ticks that the recording has lost. Lost ticks, and everything after the first of them, cannot be
-    /// replayed.
+    /// Number of ticks that are missing in the recording. The replay ends before the first of them.
     pub lost: u64,
-    /// First tick in which a device was inserted or removed. The replay ends there, because the recording does not
-    /// identify the device.
+    /// Number of the first tick in which a device was inserted or removed; `None` if there is none. The replay ends
+    /// there, because the recording does not store the device.
     pub devices: Option<u64>,
-    /// First difference from the recording.
+    /// Reason why the recording has no end: it was cut off when the process was killed, or the disk was full. `None`
+    /// for a complete recording.
+    pub cut: Option<String>,
+    /// First difference between the recording and the replay; `None` if there is none.
     pub difference: Option<Difference>,
 }
 
-/// A difference between the recording and its replay.
+/// Difference between a recording and its replay: the place, the recorded value and the replayed one.
 #[derive(Clone, PartialEq, Eq, Debug, Serialize)]
 pub struct Difference {
-    /// Tick in which the replayed value first differs from the recorded one.
+    /// Number of the tick in which the replayed value first differs from the recorded one.
     pub tick: u64,
     /// Name of the command or device whose value differs.
     pub of: String,
     /// Name of the flow, port or event that differs.
     pub what: String,
-    /// Value in the recording, as text in the syntax of literals.
+    /// Value in the recording, as JSON text or words.
     pub recorded: String,
-    /// Value that the replay computes in place of the recorded one, as a literal.
+    /// Value that the replay computes in place of the recorded one, as JSON text or words.
     pub now: String,
 }
 
@@ -45,7 +48,7 @@ impl ReplayReport {
     /// Returns true if the recording is complete and the replay had no difference.
     #[must_use]
     pub fn agrees(&self) -> bool {
-        self.difference.is_none() && self.lost == 0 && self.devices.is_none()
+        self.difference.is_none() && self.lost == 0 && self.devices.is_none() && self.cut.is_none()
     }
 
     /// Returns the report as one indented JSON object.
@@ -84,6 +87,9 @@ impl fmt::Display for ReplayReport {
                 f,
                 "a device was inserted or removed in tick {tick}: later ticks are not replayed"
             )?;
+        }
+        if let Some(why) = &self.cut {
+            writeln!(f, "the recording is cut off after these ticks: {why}")?;
         }
         match &self.difference {
             Some(difference) => write!(f, "{difference}"),

@@ -15,7 +15,7 @@ use super::names::NameTable;
 use super::recorder::{policy_from_keyword, policy_keyword};
 use rpi_runtime::control::{InputValue, Request, RequestRecord, Subscription, Ticket};
 
-/// Encodes a request as a JSON object.
+/// Encodes a request to the core as a JSON object, with its ticket and the names of its commands.
 pub(super) fn encode_request(ticket: Ticket, request: &RequestRecord, names: &NameTable) -> Value {
     let about = |ask: &str, id: &CommandId| json!({ "ask": ask, "command": id.to_number(), "name": names.command_name(*id) });
     let mut object = match request {
@@ -68,13 +68,13 @@ fn encode_words(words: &[u64]) -> Vec<String> {
     words.iter().map(|word| format!("{word:x}")).collect()
 }
 
-/// Decoder of recorded requests, which makes them executable again.
+/// Decoder of recorded requests to requests that the core of a replay can carry out.
 pub(super) struct RequestDecoder<'a> {
-    /// Images of the recording, indexed by their numbers.
+    /// Images in the recording, indexed by their numbers.
     pub(super) images: &'a [Arc<Image>],
-    /// Continuity policy of commands that the recording does not state.
+    /// Device bank with which the device names in the images are resolved.
     pub(super) bank: &'a mut dyn DeviceBank,
-    /// Default continuity policy of the recorded core.
+    /// Policy for discontinuities of commands for which the recording stores none.
     pub(super) continuity: Continuity,
 }
 

@@ -12,10 +12,11 @@ use serde_json::{Value, json};
 const VECTOR: &[&str] = &["x", "y", "z"];
 const QUATERNION: &[&str] = &["x", "y", "z", "w"];
 
-/// Part of a structured value in JSON, such as the position of a pose: its name and the names of its real components.
+/// Part of a structured value in JSON, such as the position of a pose: its name, and the names of its real components.
 type Part = (&'static str, &'static [&'static str]);
 
-/// Returns the parts of a scalar type in JSON. A single part without a name is the value itself.
+/// Returns the parts of a scalar type in JSON, such as position and orientation of a pose. A single part without a name
+/// is the value itself; types without components have no parts.
 fn scalar_parts(scalar: Scalar) -> &'static [Part] {
     match scalar {
         Scalar::Bool | Scalar::Int | Scalar::Real | Scalar::Time => &[],
@@ -27,7 +28,8 @@ fn scalar_parts(scalar: Scalar) -> &'static [Part] {
     }
 }
 
-/// Appends the JSON of a value to `out`; `null` if the value is absent.
+/// Appends the JSON of a value of this type to `out`. `value` holds its memory words; `None`, an absent value, is
+/// `null`.
 pub(super) fn write(out: &mut String, value: Option<&[u64]>, ty: Type) {
     match (value, ty) {
         (Some(cells), Type::Scalar(scalar)) => write_scalar(out, cells, scalar),
@@ -104,7 +106,7 @@ fn write_structured(out: &mut String, mut cells: &[u64], parts: &[Part]) {
     out.push_str(if nested { "}" } else { "" });
 }
 
-/// Returns the JSON schema of a type.
+/// Returns the JSON schema for values of a type.
 pub(super) fn schema(ty: Type) -> Value {
     let array = |items: Value| json!({ "type": "array", "items": items });
     match ty {
@@ -133,40 +135,15 @@ fn scalar_schema(scalar: Scalar) -> Value {
     }
 }
 
-/// Writer of one JSON object, field by field.
-pub(super) struct JsonObjectWriter(String);
-
-impl JsonObjectWriter {
-    /// Starts an object whose first field is the cycle number.
-    pub(super) fn for_cycle(cycle: u64) -> JsonObjectWriter {
-        JsonObjectWriter(format!("{{\"cycle\":{cycle}"))
-    }
-
-    /// Appends a field.
-    pub(super) fn field(&mut self, name: &str, value: Option<&[u64]>, ty: Type) {
-        let _ = write!(self.0, ",{}:", Value::from(name));
-        write(&mut self.0, value, ty);
-    }
-
-    /// Closes the object and returns its text.
-    pub(super) fn finish(mut self) -> String {
-        self.0.push('}');
-        self.0
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
 
     fn written(cells: &[f64], ty: Type) -> Value {
         let cells: Vec<u64> = cells.iter().map(|c| c.to_bits()).collect();
-        let mut object = JsonObjectWriter::for_cycle(3);
-        object.field("v", Some(&cells), ty);
-        let text = object.finish();
-        let value: Value = serde_json::from_str(&text).unwrap_or_else(|e| panic!("{text}: {e}"));
-        assert_eq!(value["cycle"], 3);
-        value["v"].clone()
+        let mut text = String::new();
+        write(&mut text, Some(&cells), ty);
+        serde_json::from_str(&text).unwrap_or_else(|e| panic!("{text}: {e}"))
     }
 
     /// O6: a recorded value is read back with the same bits.

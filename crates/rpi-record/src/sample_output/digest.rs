@@ -4,8 +4,8 @@ use rpi_image::hash::Fnv1a;
 
 use rpi_runtime::run::{Channel, Sink, Source};
 
-/// Sink of samples that computes a hash of every sample of the devices: channel, tick, presence, value. Flows of
-/// commands are left out because they may depend on the time of day.
+/// Sink that computes a hash of every sample of the devices in a run: channel, tick, presence, value. Flows of commands
+/// are left out because they may depend on the time of day.
 #[derive(Default)]
 pub struct DigestSink {
     devices: Vec<bool>,

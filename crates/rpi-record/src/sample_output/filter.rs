@@ -4,12 +4,12 @@ use std::io::{self, Write};
 
 use serde_json::Value;
 
-/// Selection of rows of a sample table by flow and cycle.
+/// Selection of rows of a table of samples by flow and cycle.
 #[derive(Clone, PartialEq, Eq, Debug)]
 pub struct RowFilter {
     /// Patterns for the names of flows; `*` matches any text. An empty list selects all flows.
     pub flows: Vec<String>,
-    /// Cycles whose rows are written; the end is exclusive.
+    /// Numbers of the cycles whose rows are selected; the end is exclusive.
     pub cycles: std::ops::Range<u64>,
 }
 
@@ -20,8 +20,8 @@ impl RowFilter {
     }
 }
 
-/// Copies the rows of a sample table that the filter selects, without changing their format: comma-separated,
-/// tab-separated or JSON lines. Headers are kept. Returns the number of copied rows.
+/// Copies the rows of a sample table that the filter selects to `out`, without changing their format: comma-separated,
+/// tab-separated or JSON lines. Headers are copied as well. Returns the number of copied rows.
 ///
 /// # Errors
 ///
@@ -39,7 +39,7 @@ pub fn copy_matching(text: &str, filter: &RowFilter, out: &mut dyn Write) -> io:
     Ok(rows)
 }
 
-/// Parses the cycle and flow of a row; `None` for a header.
+/// Returns the cycle number and the flow name of a row in any of the formats; `None` for a header.
 fn parse_row(line: &str) -> Option<(u64, String)> {
     if line.starts_with('{') {
         let object: Value = serde_json::from_str(line).ok()?;
@@ -60,7 +60,8 @@ fn parse_row(line: &str) -> Option<(u64, String)> {
     }
 }
 
-/// Parses the flow of `flow,value`, or of `primitive,type,port,value` from a recording of the reference system.
+/// Returns the flow name in the rest of a comma-separated row after the cycle: of `flow,value`, or of
+/// `primitive,type,port,value` from a recording of the reference system (the control core of the Robotics API).
 fn parse_flow(rest: &str) -> Option<String> {
     if let Some(quoted) = rest.strip_prefix('"') {
         return Some(quoted.split("\",").next()?.replace("\"\"", "\""));

@@ -6,12 +6,12 @@ use serde_json::json;
 
 use rpi_runtime::run::{Channel, Sink, Source};
 
-/// Output format of sampled values.
+/// Format in which sampled values are written as a table.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub enum SampleFormat {
-    /// `cycle,flow,value` with a header line. Values that contain commas are quoted (RFC 4180).
+    /// Comma-separated rows `cycle,flow,value` with a header line. Values that contain commas are quoted (RFC 4180).
     Csv,
-    /// `{"cycle":0,"flow":"..","value":..}` per line. Numbers and Booleans are JSON values.
+    /// One JSON object `{"cycle":0,"flow":"..","value":..}` per line. Numbers and Booleans are JSON values.
     JsonLines,
 }
 
@@ -31,12 +31,12 @@ pub struct SampleWriter<W: Write> {
     out: W,
     form: SampleFormat,
     channels: Vec<Channel>,
-    /// First error of the writer. Nothing is written after it.
+    /// First error of the output; `None` without an error. Nothing is written after it.
     error: Option<io::Error>,
 }
 
 impl<W: Write> SampleWriter<W> {
-    /// Creates a sink and writes the header.
+    /// Creates a sink that writes to `out`, and writes the header if the format has one.
     pub fn new(out: W, form: SampleFormat) -> SampleWriter<W> {
         let mut rows = SampleWriter {
             out,
@@ -50,10 +50,10 @@ impl<W: Write> SampleWriter<W> {
         rows
     }
 
-    /// Flushes the writer.
+    /// Flushes the output.
     ///
     /// # Errors
-    /// Returns the first error of the writer.
+    /// Returns the first error of the output.
     pub fn finish(mut self) -> io::Result<()> {
         match self.error {
             Some(error) => Err(error),
@@ -97,7 +97,8 @@ impl<W: Write> Sink for SampleWriter<W> {
     }
 }
 
-/// Quotes a field if necessary.
+/// Returns a field of a comma-separated row, in quotation marks if it contains a comma, a quotation mark or a line
+/// break.
 fn quote_field(field: &str) -> String {
     match field.contains([',', '"', '\n']) {
         true => format!("\"{}\"", field.replace('"', "\"\"")),

@@ -5,16 +5,17 @@ use std::io::{self, Write};
 use crate::trace::TraceWriter;
 use rpi_runtime::run::{Channel, Sink, Source};
 
-/// Sink of samples that writes the ports of one command as a trace. The first tick is cycle 1.
+/// Sink of samples that writes the ports of one command as a trace (input of `rpi replay`). The first tick is cycle 1.
 pub struct TraceSink<W: Write> {
     out: TraceWriter<W>,
     channels: Vec<Channel>,
-    /// First error of the writer. Nothing is written after it.
+    /// First error of the output; `None` without an error. Nothing is written after it.
     error: Option<io::Error>,
 }
 
 impl<W: Write> TraceSink<W> {
-    /// Starts the trace of a command whose clock is `start_ms` in its first cycle.
+    /// Creates the sink for a command whose clock is `start_ms`, in milliseconds since the Unix epoch, in its first
+    /// cycle.
     ///
     /// # Errors
     /// Returns the I/O errors of the writer.

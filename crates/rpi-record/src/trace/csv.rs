@@ -8,7 +8,7 @@ use std::borrow::Cow;
 use super::tsv::{invalid_cycle_number, parse_cycle_number};
 use super::{Trace, TraceError};
 
-/// Header line of a trace in comma-separated format.
+/// Header line of a trace (recorded port values of a net) in comma-separated format.
 pub(super) const HEADER: &str = "cycle,primitive,type,port,value";
 
 pub(super) fn parse(text: &str) -> Result<Trace, TraceError> {

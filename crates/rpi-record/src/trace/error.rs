@@ -6,7 +6,7 @@ use std::path::PathBuf;
 /// Error: an invalid line in a trace file.
 #[derive(Clone, PartialEq, Eq, Debug)]
 pub struct TraceError {
-    /// Line number, from 1.
+    /// Number of the invalid line, from 1.
     pub line: usize,
     /// Description of the error.
     pub message: String,
@@ -27,12 +27,12 @@ impl fmt::Display for TraceError {
     }
 }
 
-/// Error: a file cannot be read or has an invalid format.
+/// Error: a trace or another text file cannot be read or has an invalid format.
 #[derive(Clone, PartialEq, Eq, Debug)]
 pub struct FileReadError {
     /// Path of the file.
     pub path: PathBuf,
-    /// Line number, from 1, if the error has a line.
+    /// Number of the invalid line, from 1; `None` if the error concerns the whole file.
     pub line: Option<usize>,
     /// Description of the error.
     pub message: String,

@@ -7,36 +7,38 @@ use std::path::Path;
 
 use super::{FileReadError, TraceError, csv, tsv};
 
-/// Index of a port in a [`Trace`].
+/// Index of a port in the list of ports of a [`Trace`].
 #[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Debug)]
 pub struct TracePortId(pub u32);
 
-/// Recorded value of one port in one cycle.
+/// Row of a trace: the recorded value of one port in one cycle.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub struct TraceRow {
-    /// The recorded port.
+    /// Port of the net whose value was recorded.
     pub port: TracePortId,
     start: u32,
     end: u32,
 }
 
-/// Rows recorded in one cycle.
+/// Values recorded in one cycle of a trace.
 #[derive(Clone, Debug, Default)]
 pub struct TraceCycle {
-    /// Whether every out-port of the net was recorded in the cycle. An out-port without a row was then absent.
+    /// Whether every out-port of the net was recorded in the cycle. If true, an out-port without a row was absent.
     pub complete: bool,
-    /// Rows in the order of the file.
+    /// Recorded values, in the order of the file.
     pub rows: Vec<TraceRow>,
 }
 
 /// Recorded trace of a net: the values of its ports in each cycle.
 #[derive(Clone, Debug, Default)]
 pub struct Trace {
-    /// Clock of the net in its first cycle, milliseconds since the Unix epoch.
+    /// Clock of the net in its first cycle, in milliseconds since the Unix epoch; `None` if the trace does not state
+    /// it.
     pub start_ms: Option<i64>,
     names: Vec<String>,
     index: BTreeMap<String, TracePortId>,
-    /// Ports that were recorded in every cycle of the given range. A port without a row in such a cycle was absent.
+    /// For some ports, the range of cycles (end exclusive) in which every present value was recorded. A port without a
+    /// row in such a cycle was absent.
     listed: BTreeMap<TracePortId, Range<u64>>,
     cycles: BTreeMap<u64, TraceCycle>,
     text: String,
@@ -56,7 +58,7 @@ impl Trace {
         })
     }
 
-    /// Parses the text of a trace. The first line determines the format.
+    /// Parses the text of a trace in either format. The first line determines the format.
     ///
     /// # Errors
     /// Returns an error that names the first invalid line.
@@ -69,7 +71,7 @@ impl Trace {
         }
     }
 
-    /// Adds the rows of another recording of the same run.
+    /// Adds the rows of another trace of the same run and returns the merged trace.
     #[must_use]
     pub fn merged_with(mut self, other: &Trace) -> Trace {
         self.start_ms = self.start_ms.or(other.start_ms);
@@ -86,25 +88,25 @@ impl Trace {
         self
     }
 
-    /// Returns the path of a port, `fragment/primitive.port`.
+    /// Returns the path of a port in the net, `fragment/primitive.port`.
     #[must_use]
     pub fn name(&self, port: TracePortId) -> &str {
         &self.names[port.0 as usize]
     }
 
-    /// Iterates over all ports with at least one row, in order of appearance.
+    /// Iterates over the indices and paths of all ports with at least one row, in order of appearance.
     pub fn ports(&self) -> impl Iterator<Item = (TracePortId, &str)> {
         let ids = (0..).map(TracePortId);
         ids.zip(self.names.iter().map(String::as_str))
     }
 
-    /// Returns the port with this path if it has at least one row.
+    /// Returns the index of the port with this path; `None` if the port has no row.
     #[must_use]
     pub fn find(&self, name: &str) -> Option<TracePortId> {
         self.index.get(name).copied()
     }
 
-    /// Returns the text of a recorded value.
+    /// Returns the text form of a recorded value.
     #[must_use]
     pub fn value(&self, row: TraceRow) -> &str {
         &self.text[row.start as usize..row.end as usize]
@@ -115,7 +117,7 @@ impl Trace {
         self.cycles.iter().map(|(&number, cycle)| (number, cycle))
     }
 
-    /// Returns the rows recorded in the cycle with this number.
+    /// Returns the rows recorded in the cycle with this number, from 1; `None` if the cycle was not recorded.
     #[must_use]
     pub fn cycle_at(&self, number: u64) -> Option<&TraceCycle> {
         self.cycles.get(&number)
@@ -127,13 +129,14 @@ impl Trace {
         self.cycles.keys().next_back().copied().unwrap_or(0)
     }
 
-    /// Returns true if a missing row of this port in this cycle means that the port was absent.
+    /// Returns true if all present values of this port were recorded in the cycle with this number, so that a missing
+    /// row means an absent value.
     #[must_use]
     pub fn is_recorded(&self, port: TracePortId, number: u64) -> bool {
         self.listed.get(&port).is_some_and(|r| r.contains(&number))
     }
 
-    /// Adds the value of a port in a cycle; `number` is the cycle and `name` the port.
+    /// Adds a row: the text form of the value of the port `name` in the cycle `number`, from 1.
     pub(super) fn push_row(&mut self, number: u64, name: &str, value: &str) {
         let start = self.offset();
         self.text.push_str(value);
@@ -146,13 +149,13 @@ impl Trace {
         self.cycles.entry(number).or_default()
     }
 
-    /// Marks every port with a row as recorded in all cycles up to the last one.
+    /// Marks all ports with a row: in all cycles up to the last one, a missing row means an absent value.
     pub(super) fn mark_all_listed(&mut self) {
         let range = 1..self.last_cycle() + 1;
         self.listed = self.ports().map(|(id, _)| (id, range.clone())).collect();
     }
 
-    /// Marks every cycle as complete: all out-ports were recorded.
+    /// Marks every cycle as complete, which means that all out-ports of the net were recorded in it.
     pub(super) fn mark_all_complete(&mut self) {
         for cycle in self.cycles.values_mut() {
             cycle.complete = true;

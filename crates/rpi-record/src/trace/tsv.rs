@@ -41,7 +41,7 @@ pub(super) fn parse(text: &str) -> Result<Trace, TraceError> {
     Ok(trace)
 }
 
-/// Adds the cycles without any line to the trace. Every port was absent in them.
+/// Adds the cycles without any line to the trace. Every port was absent in these cycles.
 fn add_empty_cycles(trace: &mut Trace) {
     for number in 1..trace.last_cycle() {
         trace.cycle(number);
@@ -52,7 +52,8 @@ fn parse_start_ms(value: &str) -> Option<i64> {
     value.split('\t').next()?.parse().ok()
 }
 
-/// Parses a cycle number from 1 to 10 000 000. Larger numbers are rejected because the cycles in between are filled in.
+/// Parses a cycle number from 1 to 10 000 000; `None` for any other text. Larger numbers are rejected because the
+/// cycles in between are filled in.
 pub(super) fn parse_cycle_number(text: &str) -> Option<u64> {
     text.parse().ok().filter(|n| (1..=10_000_000).contains(n))
 }
@@ -65,13 +66,14 @@ pub(super) fn invalid_cycle_number(k: usize, text: &str) -> TraceError {
     TraceError::new(k + 1, format!("`{text}` is not a cycle number (1, 2, ...)"))
 }
 
-/// Writer of a trace in the tab-separated format.
+/// Writer of a trace (recorded port values of a net) in the tab-separated format.
 pub struct TraceWriter<W> {
     out: W,
 }
 
 impl<W: Write> TraceWriter<W> {
-    /// Starts the trace of a net whose clock is `start_ms` in its first cycle.
+    /// Creates the writer and writes the header. `start_ms` is the clock of the net in its first cycle, in milliseconds
+    /// since the Unix epoch.
     ///
     /// # Errors
     /// Returns the I/O errors of the writer.
@@ -80,7 +82,7 @@ impl<W: Write> TraceWriter<W> {
         Ok(TraceWriter { out })
     }
 
-    /// Writes the header line that restricts the trace to ports with at least one line.
+    /// Writes the header line which says that the trace contains only some ports: those with at least one line.
     ///
     /// # Errors
     /// Returns the I/O errors of the writer.
@@ -88,7 +90,7 @@ impl<W: Write> TraceWriter<W> {
         writeln!(self.out, "0\t#ports\tlisted")
     }
 
-    /// Writes the value of a port in a cycle. Cycles are numbered from 1.
+    /// Writes the text form of the value of the port `name` in a cycle. Cycles are numbered from 1.
     ///
     /// # Errors
     /// Returns the I/O errors of the writer.

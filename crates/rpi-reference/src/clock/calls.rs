@@ -6,7 +6,7 @@ use rpi_sema::typed::{Activation, Call, ExprId, FlowId, TargetPlace, TypedKind, 
 
 use super::{Clock, ClockCondition, ClockSolver, Sampling, base, common_prefix};
 
-/// Returns the call if an expression is one.
+/// Returns the call if an expression of this kind is a call, else `None`.
 pub(crate) fn call_of(kind: &TypedKind) -> Option<&Call> {
     match kind {
         TypedKind::Call(call) => Some(call),
@@ -15,7 +15,8 @@ pub(crate) fn call_of(kind: &TypedKind) -> Option<&Call> {
 }
 
 impl<'p> ClockSolver<'p> {
-    /// Returns the clock of a leaf of the result of a call: that of the out-port, seen from the caller.
+    /// Returns the clock of leaf (scalar part) number `k` of the result of a call, in terms of flows of the caller;
+    /// `None` if it is unknown. Stores the clock on which the call runs.
     pub(super) fn call(&mut self, id: ExprId, call: &Call, k: usize) -> Clock {
         let callee = &self.units[call.unit.0 as usize];
         let mut runs = self.runs(call);
@@ -34,8 +35,9 @@ impl<'p> ClockSolver<'p> {
         }
     }
 
-    /// Returns the clock of an out-port within the called unit. The results of a fragment are optional flows of the
-    /// caller (M4.2), and so are those of a call that holds them between its runs (M4.10).
+    /// Returns the clock of leaf (scalar part) number `k` of the outputs, in terms of flows of the callee. The results
+    /// of a fragment are optional flows of the caller on the base clock (M4.2), and so are those of a call that holds
+    /// them between its runs (M4.10).
     fn port(&self, call: &Call, callee: &Unit, mut k: usize) -> Clock {
         let kept = matches!(call.activation, Activation::Condact { .. });
         if kept || callee.kind == UnitKind::Fragment {
@@ -53,7 +55,7 @@ impl<'p> ClockSolver<'p> {
     }
 
     /// Returns the clock on which a call runs: the common prefix of the clocks of its arguments, each without the
-    /// sampling of its port.
+    /// sampling steps that the in-port itself requires.
     fn runs(&self, call: &Call) -> Clock {
         let callee = &self.units[call.unit.0 as usize];
         let mut clocks = Vec::new();
@@ -74,22 +76,24 @@ impl<'p> ClockSolver<'p> {
         common_prefix(clocks.into_iter())
     }
 
-    /// Returns the clock of an in-port within the called unit.
+    /// Returns the sampling steps of the clock of an in-port, in terms of flows of the callee; empty if the in-port is
+    /// on the base clock.
     fn port_clock(&self, call: &Call, port: FlowId) -> Rc<[Sampling]> {
         let clocks = self.callees[call.unit.0 as usize].as_ref();
         let clock = clocks.and_then(|clocks| clocks.flows[port.0 as usize].first()?.clone());
         clock.unwrap_or_else(|| Rc::new([]))
     }
 
-    /// Returns the clock on which a call reads an argument that has no clock of its own, such as a literal.
+    /// Returns the clock on which a call reads argument number `number` if the argument has no clock of its own, such
+    /// as a literal; `None` if the clock of the call is unknown.
     pub(super) fn argument_clock(&self, id: ExprId, call: &Call, number: usize) -> Clock {
         let port = self.units[call.unit.0 as usize].inputs[number];
         let runs = self.clocks.calls[id.0 as usize].clone()?;
         Some(self.in_caller(id, call, runs.to_vec(), &self.port_clock(call, port)))
     }
 
-    /// Translates a clock of the called unit to the caller: the sampling steps `inner`, with flows of the caller in
-    /// place of ports, are appended to the clock of the call.
+    /// Translates a clock of the callee to the caller: returns the clock of the call, followed by the sampling steps
+    /// `inner` with flows of the caller in place of ports of the callee.
     fn in_caller(
         &self,
         id: ExprId,
@@ -111,7 +115,8 @@ impl<'p> ClockSolver<'p> {
         clock.into()
     }
 
-    /// Returns the flow of the caller that is passed to an in-port or bound to an out-port.
+    /// Returns the flow of the caller that is the argument for an in-port, or that an equation binds to an out-port;
+    /// `None` if there is no such flow, for example for a computed argument.
     fn caller_flow(&self, id: ExprId, call: &Call, port: FlowId) -> Option<FlowId> {
         let callee = &self.units[call.unit.0 as usize];
         if let Some(number) = callee.inputs.iter().position(|input| *input == port) {

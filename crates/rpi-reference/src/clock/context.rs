@@ -6,7 +6,8 @@ use rpi_sema::typed::{Block, BlockId, ExprId, TargetPlace, TypedKind, Unit};
 
 use super::{Clock, ClockSolver, base, common_prefix, sampled};
 
-/// Returns, for each expression, the block that contains it. The condition of a block belongs to the enclosing block.
+/// Returns, for each expression of a unit (function, node, command), the block that contains it: body, fragment or
+/// state. The activation condition of a block belongs to the enclosing block.
 pub(super) fn blocks(unit: &Unit) -> Vec<BlockId> {
     let mut blocks = vec![BlockId::ROOT; unit.exprs.len()];
     for (id, block) in (0..).map(BlockId).zip(&unit.blocks) {
@@ -31,7 +32,8 @@ pub(super) fn blocks(unit: &Unit) -> Vec<BlockId> {
     blocks
 }
 
-/// Returns the expressions directly in a block.
+/// Returns the outermost expressions directly in a block, such as the right sides of its equations. Their operands are
+/// not listed.
 fn roots(unit: &Unit, block: &Block) -> Vec<ExprId> {
     let mut roots: Vec<ExprId> = block.equations.iter().map(|one| one.value).collect();
     roots.extend(block.claims.iter().map(|claim| claim.condition));
@@ -56,7 +58,7 @@ fn roots(unit: &Unit, block: &Block) -> Vec<ExprId> {
 }
 
 impl ClockSolver<'_> {
-    /// Assigns to each expression without a clock that of its reader.
+    /// Assigns to each expression whose clock is unknown, such as a literal, the clock on which its reader reads it.
     pub(super) fn adopt_reader_clocks(&mut self) {
         for equation in self.unit.blocks.iter().flat_map(|block| &block.equations) {
             let mut first = 0;
@@ -87,7 +89,7 @@ impl ClockSolver<'_> {
         }
     }
 
-    /// Assigns to the operands of an expression the clock on which it reads them.
+    /// Assigns to the operands of an expression whose clocks are unknown the clock on which the expression reads them.
     fn propagate_to_operands(&mut self, id: ExprId) {
         let expr = self.unit.expr(id);
         let whole = common_prefix(self.clocks.exprs[id.0 as usize].iter().cloned());

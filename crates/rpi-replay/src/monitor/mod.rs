@@ -19,15 +19,15 @@ use crate::faults::ReportedFault;
 
 /// Access to the exported flows of a running command, for monitors.
 pub trait ExportValues {
-    /// Returns the memory words of an export in this cycle; `None` if the flow is absent or the export does not exist.
+    /// Returns the memory words of the export with this index in the current cycle; `None` if the flow is absent.
     fn words(&self, export: usize) -> Option<&[u64]>;
 }
 
-/// Monitor that evaluates a set of claims (assertions and contracts) in each cycle of a run.
+/// Monitor that evaluates a set of claims (assertions and contracts) of a command in each cycle.
 #[derive(Debug)]
 pub struct ClaimMonitor {
     claims: Vec<MonitoredClaim>,
-    /// Paths of the calls with a violated assumption. Their guarantees are not checked any more.
+    /// Paths of the node calls with a violated assumption. Their guarantees are not checked any more.
     released_calls: BTreeSet<String>,
 }
 
@@ -36,14 +36,15 @@ struct MonitoredClaim {
     claim: Claim,
     condition: Option<usize>,
     reads: Vec<(usize, Type)>,
-    /// Values read in the previous cycle, if the claim refers to it.
+    /// Memory words of the values read in the previous cycle, if the claim refers to them; `None` for an absent value.
     before: Vec<Option<Vec<u64>>>,
-    /// Number of cycles in which the claim was present. `failed` is the number of cycles in which it was violated.
+    /// Number of cycles in which the claim was present and evaluated. `violated` is the number of those in which it was
+    /// false.
     evaluated: u64,
     violated: u64,
 }
 
-/// Violation of a claim in a cycle, with the values that the claim reads.
+/// Violation of a claim in a cycle: the index of the claim, and the values that the claim reads, as text.
 #[derive(Clone, PartialEq, Eq, Debug)]
 pub struct ClaimViolation {
     claim: usize,
@@ -51,7 +52,7 @@ pub struct ClaimViolation {
     before: Option<String>,
 }
 
-/// Number of evaluations and violations of a claim in a run.
+/// Numbers of evaluations and violations of a claim (assertion or contract) in a run.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub struct ClaimStats {
     /// Number of cycles in which the claim was evaluated.
@@ -61,7 +62,8 @@ pub struct ClaimStats {
 }
 
 impl ClaimMonitor {
-    /// Creates a monitor. `export` returns the index and type of an export by its key.
+    /// Creates a monitor of these claims. `export` returns the index and type of the command's export with a key;
+    /// `None` if there is no such export.
     pub fn new(claims: &[Claim], export: impl Fn(&str) -> Option<(usize, Type)>) -> ClaimMonitor {
         let watched = |claim: &Claim| {
             let found = claim.reads.iter().map(|read| export(&read.key));
@@ -88,7 +90,8 @@ impl ClaimMonitor {
         }
     }
 
-    /// Evaluates all claims in a cycle and returns those that are violated for the first time.
+    /// Evaluates all claims in a cycle and returns those that are violated for the first time. `flows` has the
+    /// command's exports.
     pub fn evaluate(&mut self, flows: &dyn ExportValues) -> Vec<ClaimViolation> {
         let mut broken = Vec::new();
         for (k, watched) in self.claims.iter_mut().enumerate() {
@@ -100,7 +103,7 @@ impl ClaimMonitor {
         broken
     }
 
-    /// Returns the diagnostic for a claim that was violated in a cycle.
+    /// Returns the diagnostic for a claim that was violated in the cycle with this number, from 0.
     #[must_use]
     pub fn diagnostic(&self, broken: &ClaimViolation, cycle: u64) -> Diagnostic {
         violation_report::diagnostic(&self.claims[broken.claim].claim, broken, cycle)
@@ -135,7 +138,7 @@ impl ClaimMonitor {
         })
     }
 
-    /// Returns one line for each claim that was violated in more than one cycle.
+    /// Returns as text one line for each claim that was violated in more than one cycle, with the number of violations.
     #[must_use]
     pub fn summary(&self) -> String {
         let often = self.stats().filter(|(_, tally)| tally.violated > 1);
@@ -156,7 +159,8 @@ impl ClaimMonitor {
 }
 
 impl MonitoredClaim {
-    /// Evaluates the claim in a cycle. Returns true if it is violated for the first time.
+    /// Evaluates the claim in a cycle. Returns true if it is violated for the first time. `released` are the paths of
+    /// node calls with a violated assumption, whose guarantees are not checked.
     fn evaluate(&mut self, flows: &dyn ExportValues, released: &mut BTreeSet<String>) -> bool {
         let is_due =
             self.claim.kind != ClaimKind::Guarantee || !released.contains(&self.claim.path);
@@ -173,7 +177,7 @@ impl MonitoredClaim {
         fails && self.violated == 1
     }
 
-    /// Stores the values of this cycle for the next one, if the claim refers to the previous cycle.
+    /// Stores the values that the claim reads, for the next cycle, if the claim refers to the previous cycle.
     fn store_previous(&mut self, flows: &dyn ExportValues) {
         if self.claim.reads_past {
             let cells = |(export, _): &(usize, Type)| flows.words(*export).map(<[u64]>::to_vec);

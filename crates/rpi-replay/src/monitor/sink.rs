@@ -9,11 +9,12 @@ use super::{ClaimMonitor, ClaimViolation, ExportValues};
 use crate::faults::{Faults, ReportedFault};
 use rpi_runtime::run::{Channel, CommandEnd, Outcome, RunEnd, Sink};
 
-/// Sink of samples that monitors the claims of the commands of a run.
+/// Sink of samples that monitors the claims (assertions and contracts) of the commands of a run.
 #[derive(Debug)]
 pub struct ClaimMonitorSink {
     commands: Vec<MonitoredCommand>,
-    /// For each channel, the indices of its command and of its flow in the command.
+    /// For each channel of samples, the index of its command and the index of its flow in the command; `None` for a
+    /// channel of no monitored command.
     channel_owners: Vec<Option<(usize, usize)>>,
 }
 
@@ -22,7 +23,7 @@ struct MonitoredCommand {
     name: String,
     claims: Vec<Claim>,
     watch: ClaimMonitor,
-    /// Values of the exports in the current tick.
+    /// Latest values of the command's sampled flows.
     row: SampleRow,
     tick: Option<u64>,
     violations: Vec<(u64, ClaimViolation)>,
@@ -38,7 +39,7 @@ impl ExportValues for SampleRow {
 }
 
 impl ClaimMonitorSink {
-    /// Creates a sink for commands with their names and claims.
+    /// Creates a sink that monitors commands, given by name and claims.
     #[must_use]
     pub fn new<'n>(commands: impl Iterator<Item = (&'n str, &'n [Claim])>) -> ClaimMonitorSink {
         let watched = |(name, claims): (&str, &[Claim])| MonitoredCommand {
@@ -89,7 +90,8 @@ impl ClaimMonitorSink {
     }
 }
 
-/// Returns the run of the command with this name that was active in a tick, with its index in the outcome.
+/// Returns the entry in the outcome of the command with this name that was active in a tick, with its index; `None` if
+/// there is none.
 fn command_at<'o>(
     outcome: &'o mut Outcome,
     name: &str,
@@ -101,8 +103,8 @@ fn command_at<'o>(
     begun.max_by_key(|(_, run)| run.first_tick)
 }
 
-/// Merges a violated claim into the fault of its command and the report of the fault. Returns false if the command
-/// did not fault in this tick because of this claim.
+/// Replaces the description of a command's fault by that of a violated claim. Returns false, and changes nothing, if
+/// the command did not end in this tick with a fault because of the claim.
 fn merge_into_fault(
     (run, fault): (&mut CommandEnd, &mut ReportedFault),
     watch: &ClaimMonitor,
@@ -155,7 +157,7 @@ impl Sink for ClaimMonitorSink {
 }
 
 impl MonitoredCommand {
-    /// Evaluates the claims on the values of a completed tick.
+    /// Evaluates the claims on the values of the tick whose samples have all arrived.
     fn evaluate(&mut self) {
         if let Some(tick) = self.tick.take() {
             let broken = self.watch.evaluate(&self.row);

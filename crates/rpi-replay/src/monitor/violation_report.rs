@@ -6,7 +6,7 @@ use rpi_net::{Claim, ClaimKind, ClaimRead};
 
 use super::ClaimViolation;
 
-/// Returns the diagnostic of a claim that is violated in a cycle.
+/// Returns the diagnostic of a claim that is violated in the cycle with this number, from 0.
 pub(super) fn diagnostic(claim: &Claim, broken: &ClaimViolation, cycle: u64) -> Diagnostic {
     let row = texts_of(claim.kind);
     let message = format!("{} in cycle {cycle}", violation_text(claim));
@@ -29,11 +29,26 @@ pub(super) fn diagnostic(claim: &Claim, broken: &ClaimViolation, cycle: u64) -> 
         (ClaimKind::Assume, path) => diagnostic.help(format!(
             "the caller violates it: correct the arguments of the call `{path}`, or weaken the assumption"
         )),
-        _ => diagnostic,
+        (ClaimKind::Assert, _) => diagnostic.help(format!(
+            "correct the equations of `{}`, give other inputs, or weaken the assertion",
+            claim.subject
+        )),
+        (ClaimKind::Check, _) => diagnostic.help(format!(
+            "correct the equations of `{}`, or weaken the property",
+            claim.subject
+        )),
+        (ClaimKind::Guarantee, _) => diagnostic.help(format!(
+            "correct the equations of `{}`, exclude these inputs by an `assume`, or weaken the guarantee",
+            claim.subject
+        )),
+        (ClaimKind::ModeCompleteness, _) => diagnostic.help(
+            "add a mode for this case, weaken a `require`, or exclude these inputs by an `assume`",
+        ),
     }
 }
 
-/// Returns a value in source syntax, with the unit of the flow.
+/// Returns a value as text in the syntax of the language, with the unit of the flow or as the name of an enumeration
+/// value; `none` if the value is absent.
 pub(super) fn value_text(read: &ClaimRead, cells: Option<&[u64]>, ty: Type) -> String {
     let Some(cells) = cells else {
         return "none".to_owned();
@@ -49,7 +64,7 @@ pub(super) fn violation_text(claim: &Claim) -> String {
     format!("{} {}", claim_name(claim), texts_of(claim.kind).verb)
 }
 
-/// Words and diagnostic code for one kind of claim.
+/// Texts and diagnostic code for one kind of claim, such as a guarantee.
 struct KindTexts {
     kind: ClaimKind,
     code: Code,
@@ -88,7 +103,7 @@ fn texts_of(kind: ClaimKind) -> &'static KindTexts {
     row.unwrap_or(&ROWS[0])
 }
 
-/// Returns the name of a claim in a message, for example: the guarantee "smaller" of `Half` in mode `up`.
+/// Returns the name of a claim for messages, such as: the guarantee "smaller" of `Half` in mode `up`.
 pub(super) fn claim_name(claim: &Claim) -> String {
     let label = claim.label.as_ref().map(|label| format!(" \"{label}\""));
     let mode = claim.mode.as_ref().map(|mode| format!(" in mode `{mode}`"));

@@ -24,17 +24,18 @@ impl fmt::Display for TableError {
 
 impl std::error::Error for TableError {}
 
-/// Reader of a table of samples, which maps its rows to the in-ports of a node.
+/// Reader of a table of samples, which assigns the fields of its rows to the in-ports of a node.
 #[derive(Clone, Debug)]
 pub struct TableReader<'c> {
     columns: &'c [Column],
-    /// For each column of the node, the index of its field in a row.
+    /// For each column that the node needs, the index of its field in a row of the table.
     fields: Vec<usize>,
     width: usize,
 }
 
 impl<'c> TableReader<'c> {
-    /// Maps the columns of a node to the fields of a header line. Additional fields are ignored.
+    /// Creates a reader of a table with this header line. `columns` are the columns that the node needs; other fields
+    /// are ignored.
     ///
     /// # Errors
     /// Returns an error if an in-port has no field in the header or more than one.
@@ -70,7 +71,8 @@ impl<'c> TableReader<'c> {
         self.width == 1 && matches!(self.columns, [column] if column.optional)
     }
 
-    /// Returns the memory words of every in-port in one row; `None` for an absent flow.
+    /// Returns the memory words of every column in one row, in the order of the columns; `None` for an absent flow.
+    /// `number` is the number of the line, from 1.
     ///
     /// # Errors
     /// Returns an error if a field is missing or is not a valid value of its flow.
@@ -111,7 +113,8 @@ impl<'c> TableReader<'c> {
         }
     }
 
-    /// Returns the name of a flow with several columns of which some are present and some absent.
+    /// Returns the name of a flow of which some columns of the row are present and some absent; `None` if there is
+    /// none.
     fn partly_present_flow(&self, row: &super::ColumnValues) -> Option<&'c str> {
         let flows = self.columns.iter().map(|column| flow_of(&column.key));
         let flows = flows.zip(row.iter().map(Option::is_some));
@@ -122,7 +125,7 @@ impl<'c> TableReader<'c> {
     }
 }
 
-/// Returns the name of the flow that a column belongs to.
+/// Returns the name of the flow to which the column with this key belongs: `x` for `x[2].f`.
 fn flow_of(key: &str) -> &str {
     key.split(['.', '[']).next().unwrap_or(key)
 }
@@ -143,7 +146,8 @@ fn flattened_key(key: &str) -> String {
     plain.collect()
 }
 
-/// Splits a line into fields. A field in double quotes may contain commas and `""` for a double quote.
+/// Splits a line of comma-separated text into fields. A field in double quotes may contain commas, and `""` for a
+/// double quote.
 fn split_fields(line: &str) -> Vec<String> {
     let mut all = vec![String::new()];
     let mut quoted = false;
@@ -172,7 +176,7 @@ pub fn header_line<'c>(columns: impl Iterator<Item = &'c Column>) -> String {
         .join(",")
 }
 
-/// Returns one row of a table. The field of an absent flow is empty.
+/// Returns one row of a table as text. The field of an absent flow is empty.
 #[must_use]
 pub fn row_line(columns: &[&Column], row: &super::ColumnValues) -> String {
     let text = |(column, cells): (&&Column, &Option<Vec<u64>>)| {

@@ -15,15 +15,15 @@ use crate::monitor::{ClaimMonitor, ExportValues};
 use rpi_diag::Diagnostic;
 use rpi_runtime::run::FaultOrigin;
 
-/// Memory words of each column in one cycle; `None` where the flow is absent.
+/// Memory words of the value in each column of a table in one cycle; `None` where the flow is absent.
 pub type ColumnValues = Vec<Option<Vec<u64>>>;
 
-/// Result of one cycle of a node.
+/// Result of executing one cycle of a node: the values of its outputs, and diagnostics.
 #[derive(Debug)]
 pub struct CycleResult {
-    /// Values of the output columns; `None` if the cycle raised a fault.
+    /// Values of the shown columns; `None` if the cycle raised a fault.
     pub row: Option<ColumnValues>,
-    /// Diagnostics of claims and faults in this cycle.
+    /// Diagnostics of claims that were violated for the first time and of faults in the cycle.
     pub diagnostics: Vec<Diagnostic>,
 }
 
@@ -40,7 +40,7 @@ impl fmt::Display for NodeLoadError {
 
 impl std::error::Error for NodeLoadError {}
 
-/// A loaded node that is executed without devices.
+/// A loaded node that is executed without devices, with the monitor of its claims.
 pub struct NodeRun {
     machine: Instance,
     bank: SimBank,
@@ -52,7 +52,8 @@ pub struct NodeRun {
 }
 
 impl NodeRun {
-    /// Loads the image of a node and monitors the `claims` that it publishes.
+    /// Loads the image of a node. `inputs` and `shown` are the columns of its in-ports and of the flows to return;
+    /// `claims` (assertions and contracts) are monitored.
     ///
     /// # Errors
     /// Returns the load errors if the image cannot be loaded.
@@ -85,7 +86,8 @@ impl NodeRun {
         })
     }
 
-    /// Executes one cycle. `given` holds the memory words of every in-port, in the order of the input columns.
+    /// Executes one cycle. `given` holds the memory words of every in-port, in the order of the input columns; `None`
+    /// is an absent value.
     pub fn cycle(&mut self, given: &[Option<Vec<u64>>]) -> CycleResult {
         let now = CycleContext::default();
         for (input, cells) in self.inputs.iter().zip(given) {
@@ -136,14 +138,14 @@ impl NodeRun {
         CycleResult { row, diagnostics }
     }
 
-    /// Returns one line for each claim that was violated in more than one cycle, with the number of violations.
+    /// Returns as text one line for each claim that was violated in more than one cycle, with the number of violations.
     #[must_use]
     pub fn summary(&self) -> String {
         self.claims.summary()
     }
 }
 
-/// Access to the exported flows of the running image of a node, for monitors.
+/// Access to the exported flows of a running node, by which its claims are monitored.
 struct MachineExports<'m> {
     machine: &'m Instance,
     exports: &'m [Signal],

@@ -1,22 +1,22 @@
 //! Axes: scaling of values to pixels, and tick marks.
 
-/// A linear map from values to pixels.
+/// Axis of a chart: a linear map from values to pixels on the page.
 #[derive(Clone, Copy, PartialEq, Debug)]
 pub(super) struct Axis {
-    /// Smallest and largest value.
+    /// Smallest and largest value on the axis.
     pub(super) values: (f64, f64),
-    /// Pixel positions of these values.
+    /// Positions on the page, in pixels, that belong to the smallest and the largest value.
     pub(super) pixels: (f64, f64),
 }
 
 impl Axis {
-    /// Returns the pixel position of a value.
+    /// Returns the pixel position of a value on the page.
     pub(super) fn to_pixel(self, value: f64) -> f64 {
         let (low, high) = self.values;
         self.pixels.0 + (value - low) / (high - low) * (self.pixels.1 - self.pixels.0)
     }
 
-    /// Returns the tick marks: round values, about one per `spacing` pixels.
+    /// Returns the values at which the axis has tick marks: round values, about one per `spacing` pixels.
     pub(super) fn ticks(&self, spacing: f64) -> Vec<f64> {
         let (low, high) = self.values;
         let count = ((self.pixels.1 - self.pixels.0).abs() / spacing).max(1.0);
@@ -26,7 +26,8 @@ impl Axis {
         (0..=last).map(|k| (first + k as f64) * step).collect()
     }
 
-    /// Returns the label of a tick mark, with as many decimals as needed to distinguish the ticks.
+    /// Returns the label of the tick mark at the value `tick`, with as many decimals as needed to distinguish the tick
+    /// marks. `spacing` is their approximate distance in pixels.
     pub(super) fn label(&self, tick: f64, spacing: f64) -> String {
         let ticks = self.ticks(spacing);
         let step = ticks.windows(2).map(|w| w[1] - w[0]).next().unwrap_or(1.0);
@@ -49,7 +50,7 @@ impl Axis {
 
 const POWERS: [f64; 6] = [1.0, 10.0, 100.0, 1e3, 1e4, 1e5];
 
-/// Returns the smallest of 1, 2, 5, 10, 20, ... that is at least `step`.
+/// Returns the smallest number of the form 1, 2 or 5 times a power of ten that is at least `step`.
 fn round_step(step: f64) -> f64 {
     let mut power = 1e-9;
     while power * 10.0 < step && power < 1e12 {
@@ -62,7 +63,8 @@ fn round_step(step: f64) -> f64 {
         .unwrap_or(step)
 }
 
-/// Returns the range of the finite values, widened to a width of at least `least`.
+/// Returns the smallest and the largest of the finite values, widened to a width of at least `least`. Without a finite
+/// value the range has the centre 0.
 pub(super) fn value_range(values: impl Iterator<Item = f64>, least: f64) -> (f64, f64) {
     let finite = values.filter(|v| v.is_finite());
     let (low, high) = finite.fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), v| {
@@ -75,7 +77,7 @@ pub(super) fn value_range(values: impl Iterator<Item = f64>, least: f64) -> (f64
     (low - missing, high + missing)
 }
 
-/// Returns a range extended at both ends by `part` of its width.
+/// Returns a range of values extended at both ends by `part` of its width.
 pub(super) fn padded((low, high): (f64, f64), part: f64) -> (f64, f64) {
     let margin = (high - low) * part;
     (low - margin, high + margin)

@@ -10,13 +10,13 @@ use super::{Chart, ExecutionSpan};
 /// Rectangle on the page in which the lines of a chart are drawn, in pixels.
 #[derive(Clone, Copy)]
 pub(super) struct PlotArea {
-    /// Left and right edge of the rectangle.
+    /// Left and right edge of the rectangle, in pixels from the left of the page.
     pub(super) x: (f64, f64),
-    /// Upper and lower edge of the rectangle.
+    /// Upper and lower edge of the rectangle, in pixels from the top of the page.
     pub(super) y: (f64, f64),
 }
 
-/// Minimum vertical distance of line names, in pixels.
+/// Minimum vertical distance between two names of lines, in pixels.
 const LABEL_HEIGHT: f64 = 13.0;
 
 pub(super) fn draw(
@@ -56,7 +56,7 @@ pub(super) fn draw(
     draw_names(svg, chart, &frame);
 }
 
-/// Draws the names of the lines of a chart at its right edge, as near to the ends of the lines as possible.
+/// Draws the names of a chart's lines at its right edge, as near to the ends of the lines as possible.
 fn draw_names(svg: &mut Svg, chart: &Chart, frame: &Frame) {
     let ends = chart.lines.iter().enumerate();
     let mut ends: Vec<(f64, usize)> = ends
@@ -85,7 +85,8 @@ fn draw_names(svg: &mut Svg, chart: &Chart, frame: &Frame) {
     }
 }
 
-/// Moves ascending vertical positions of names apart so that no names overlap, within the plot area if they fit.
+/// Moves vertical positions of names, in pixels and in ascending order, apart so that no names overlap, within the
+/// range from `top` to `bottom` if they fit.
 fn spread_labels(mut heights: Vec<f64>, top: f64, bottom: f64) -> Vec<f64> {
     let mut least = top;
     for height in &mut heights {

@@ -12,7 +12,7 @@ pub(super) const HEADING: TextStyle = TextStyle {
     anchor: Anchor::Start,
 };
 
-/// Font and colour of the numbers at the ticks of an axis.
+/// Text style of the numbers at the tick marks of an axis.
 pub(super) const TICK_LABEL: TextStyle = TextStyle {
     size: 11.0,
     color: SECONDARY_TEXT,
@@ -20,7 +20,7 @@ pub(super) const TICK_LABEL: TextStyle = TextStyle {
     anchor: Anchor::Middle,
 };
 
-/// Plot area with its two axes: how values become positions on the page.
+/// Plot area of a chart with its horizontal and its vertical axis.
 #[derive(Clone, Copy)]
 pub(super) struct Frame {
     pub(super) x: Axis,
@@ -51,7 +51,8 @@ impl Frame {
         self.y.pixels.1
     }
 
-    /// Draws the heading, the grid and the tick labels of a plot area. `x_title` is the label at the end of the x axis.
+    /// Draws the heading, the grid and the tick labels of the plot area. `x_title` is the label at the end of the
+    /// horizontal axis.
     pub(super) fn draw(&self, svg: &mut Svg, heading: &str, x_title: &str) {
         svg.text((self.left(), self.top() - 10.0), HEADING, heading);
         self.draw_rows(svg);

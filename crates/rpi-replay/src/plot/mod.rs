@@ -14,54 +14,54 @@ mod timeline;
 
 pub use page::render_svg;
 
-/// Content of a plot: title, charts over time and views of paths.
+/// Content of a plot of a run: title, paths in space, charts over time, and execution intervals of the commands.
 #[derive(Clone, PartialEq, Debug, Default)]
 pub struct Plot {
     /// Title of the plot.
     pub title: String,
-    /// Paths in space, one per arm.
+    /// Paths of the tools in space, one per arm.
     pub paths: Vec<SpacePath>,
     /// Charts of values over time.
     pub charts: Vec<Chart>,
-    /// Execution intervals of the commands, in order of their start.
+    /// Intervals in which the commands were executed, in order of their start.
     pub spans: Vec<ExecutionSpan>,
 }
 
-/// Path of a point in space.
+/// Path of a point in space over time, such as that of an arm's tool.
 #[derive(Clone, PartialEq, Debug, Default)]
 pub struct SpacePath {
-    /// Name of the moving object.
+    /// Name of the device whose point moves.
     pub name: String,
-    /// Time (seconds) and position (metres) of each sample.
+    /// Time in seconds since the start of the run, and position x, y, z in metres, of each sample.
     pub points: Vec<(f64, [f64; 3])>,
 }
 
-/// A chart of values that share an axis.
+/// Chart of one or more values over time, which share the vertical axis.
 #[derive(Clone, PartialEq, Debug, Default)]
 pub struct Chart {
-    /// Title with the unit of the values.
+    /// Title of the chart, with the unit of the values.
     pub title: String,
-    /// Lines of the chart.
+    /// Lines of the chart, one per value.
     pub lines: Vec<Line>,
 }
 
 /// Line of a chart: one value over time, with its name.
 #[derive(Clone, PartialEq, Debug, Default)]
 pub struct Line {
-    /// Name of the line.
+    /// Name of the value, shown at the end of the line.
     pub name: String,
-    /// Time (seconds) and value of each sample.
+    /// Time in seconds since the start of the run, and value, of each sample.
     pub points: Vec<(f64, f64)>,
 }
 
-/// Execution interval of a command.
+/// Interval in which a command was executed.
 #[derive(Clone, PartialEq, Debug, Default)]
 pub struct ExecutionSpan {
-    /// Name of the command.
+    /// Name of the command that was executed.
     pub command: String,
-    /// Start of the first cycle, seconds.
+    /// Start of the first cycle, in seconds since the start of the run.
     pub from: f64,
-    /// End of the last cycle, seconds.
+    /// End of the last cycle, in seconds since the start of the run.
     pub to: f64,
     /// Short text for how the command ended.
     pub end: String,

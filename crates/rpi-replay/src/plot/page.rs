@@ -14,7 +14,7 @@ const HEAD: f64 = 56.0;
 const VIEW_HEIGHT: f64 = 270.0;
 const VIEW_GAP: f64 = 70.0;
 const CHART_HEIGHT: f64 = 170.0;
-/// Space above and below a plot area for its heading and tick labels.
+/// Total height above and below a plot area for its heading and tick labels, in pixels.
 const AREA_MARGIN: f64 = 62.0;
 
 /// Returns the text of an SVG file that shows a plot.
@@ -65,7 +65,7 @@ fn draw_timeline(svg: &mut Svg, picture: &Plot, y: f64) -> f64 {
     y + timeline_height(picture)
 }
 
-/// Returns the height of the timeline, 0 without commands, pixels.
+/// Returns the height of the timeline in pixels; 0 without commands.
 fn timeline_height(picture: &Plot) -> f64 {
     match &picture.spans[..] {
         [] => 0.0,
@@ -73,7 +73,7 @@ fn timeline_height(picture: &Plot) -> f64 {
     }
 }
 
-/// Returns the time axis of the timeline and of all charts.
+/// Returns the common horizontal axis of the timeline and of all charts, in seconds.
 fn time_axis(picture: &Plot) -> Axis {
     Axis {
         values: time_range(picture),
@@ -92,7 +92,7 @@ fn draw_charts(svg: &mut Svg, picture: &Plot, mut y: f64) {
     }
 }
 
-/// Returns the time range from 0 to the end of all content, in seconds.
+/// Returns the range of times in the plot, from 0 to the end of the longest line or command, in seconds.
 fn time_range(picture: &Plot) -> (f64, f64) {
     let lines = picture.charts.iter().flat_map(|c| &c.lines);
     let ends = lines.filter_map(|l| Some(l.points.last()?.0));

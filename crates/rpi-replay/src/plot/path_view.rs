@@ -9,12 +9,12 @@ use super::svg::{Anchor, Svg, TextStyle};
 use super::timeline::span_hues;
 use super::{ExecutionSpan, SpacePath};
 
-/// Direction from which the path of an arm is drawn.
+/// Direction from which the path of an arm's tool is drawn.
 #[derive(Clone, Copy)]
 pub(super) enum View {
-    /// Top view: x to the right, y up.
+    /// View from above: the x axis of the base to the right, the y axis up.
     Top,
-    /// Side view: x to the right, z up.
+    /// View from the side: the x axis of the base to the right, the z axis up.
     Side,
 }
 
@@ -61,7 +61,8 @@ pub(super) fn draw(
     draw_markers(svg, &points, spells, &frame);
 }
 
-/// Returns a plot area with equal scales on both axes.
+/// Returns a plot area for these points (time, and position in the plane in metres), with the same scale on both axes.
+/// It fills the rectangle `place`.
 fn equal_scale_frame(points: &[(f64, (f64, f64))], place: PlotArea) -> Frame {
     let x = padded(value_range(points.iter().map(|p| p.1.0), LEAST_WIDTH), 0.08);
     let y = padded(value_range(points.iter().map(|p| p.1.1), LEAST_WIDTH), 0.08);
@@ -83,8 +84,8 @@ fn equal_scale_frame(points: &[(f64, (f64, f64))], place: PlotArea) -> Frame {
     }
 }
 
-/// Splits the points of a path by the command that ran at their time. Each part begins with the last point of its
-/// predecessor, so that the path has no gap.
+/// Splits the points of a path (time and position) by the command that ran at their time. `spells` are the execution
+/// intervals of the commands. Each part begins with the last point of its predecessor, so that the path has no gap.
 fn split_by_command<P: Copy>(points: &[(f64, P)], spells: &[ExecutionSpan]) -> Vec<Vec<(f64, P)>> {
     if spells.is_empty() {
         return vec![points.to_vec()];
@@ -100,7 +101,7 @@ fn split_by_command<P: Copy>(points: &[(f64, P)], spells: &[ExecutionSpan]) -> V
         .collect()
 }
 
-/// Draws marks on a path at its start, at the takeovers and at its end.
+/// Draws marks on a path at its start, at the takeovers between commands and at its end.
 fn draw_markers(
     svg: &mut Svg,
     points: &[(f64, (f64, f64))],
@@ -128,17 +129,17 @@ fn draw_markers(
     }
 }
 
-/// Returns true if a label at this point overlaps none of the earlier ones. Cyclic programs have takeovers at the same
-/// points in every iteration.
+/// Returns true if a label at the point `at` overlaps no earlier label, in pixels. Cyclic programs have takeovers at
+/// the same points in every iteration.
 fn is_free(labelled: &[(f64, f64)], at: (f64, f64)) -> bool {
-    /// Width and height of a label in pixels.
+    /// Approximate width and height of a label in pixels.
     const TEXT: (f64, f64) = (110.0, 13.0);
     let apart =
         |other: &(f64, f64)| (other.0 - at.0).abs() >= TEXT.0 || (other.1 - at.1).abs() >= TEXT.1;
     labelled.iter().all(apart)
 }
 
-/// Draws a label beside a point, on the side with more room.
+/// Draws a label beside the point `at`, on the side with more room. `below` is its vertical offset in pixels.
 fn draw_label(
     svg: &mut Svg,
     frame: &Frame,

@@ -2,8 +2,8 @@
 
 type Point = (f64, f64);
 
-/// Removes the points of a line that are within `tolerance` of the simplified line. Points with non-finite coordinates
-/// are removed as well.
+/// Returns a line with fewer points, whose distance from each removed point is at most `tolerance`. Points with
+/// non-finite coordinates are removed as well.
 pub(super) fn simplify(points: &[Point], tolerance: f64) -> Vec<Point> {
     let points: Vec<Point> = points
         .iter()
@@ -25,15 +25,15 @@ pub(super) fn simplify(points: &[Point], tolerance: f64) -> Vec<Point> {
     kept.map(|(point, _)| *point).collect()
 }
 
-/// Returns the point between `first` and `last` with the largest distance from their segment, if the distance exceeds
-/// the tolerance.
+/// Returns the index of the point between `first` and `last` with the largest distance from the segment between these
+/// two; `None` if the distance does not exceed the tolerance.
 fn farthest_point(points: &[Point], first: usize, last: usize, tolerance: f64) -> Option<usize> {
     let off = |k: usize| distance(points[k], points[first], points[last]);
     let far = (first + 1..last).max_by(|&a, &b| off(a).total_cmp(&off(b)))?;
     (off(far) > tolerance).then_some(far)
 }
 
-/// Returns the distance of `p` from the segment between `a` and `b`.
+/// Returns the distance of the point `p` from the segment between `a` and `b`.
 fn distance(p: Point, a: Point, b: Point) -> f64 {
     let (dx, dy) = (b.0 - a.0, b.1 - a.1);
     let (px, py) = (p.0 - a.0, p.1 - a.1);

@@ -7,7 +7,7 @@ pub(super) struct Svg {
     out: String,
 }
 
-/// Alignment of a text relative to its position.
+/// Alignment of a text relative to its position: the position is its start, middle or end.
 #[derive(Clone, Copy)]
 pub(super) enum Anchor {
     Start,
@@ -25,7 +25,7 @@ impl Anchor {
     }
 }
 
-/// Font and alignment of a text.
+/// Size in pixels, colour, weight and alignment of a text.
 #[derive(Clone, Copy)]
 pub(super) struct TextStyle {
     pub(super) size: f64,
@@ -77,7 +77,8 @@ impl Svg {
         ));
     }
 
-    /// Draws a line through the points. `name` becomes its title for tooltips and screen readers.
+    /// Draws a line through the points, in pixels. `dashes` is the dash pattern, `None` for a solid line; `name`
+    /// becomes the title of the line for tooltips and screen readers.
     pub(super) fn polyline(
         &mut self,
         points: &[(f64, f64)],
@@ -133,7 +134,7 @@ impl Svg {
     }
 }
 
-/// Formats a coordinate with at most two decimals.
+/// Formats a coordinate in pixels with at most two decimals.
 fn format_coordinate(value: f64) -> String {
     let text = format!("{value:.2}");
     let text = text.trim_end_matches('0').trim_end_matches('.');

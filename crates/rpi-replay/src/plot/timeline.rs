@@ -9,14 +9,14 @@ use super::palette::{SECONDARY_TEXT, TEXT, hue};
 use super::svg::{Anchor, Svg, TextStyle};
 
 const BAR: f64 = 7.0;
-/// Height of the names, the bars and the space around them, pixels.
+/// Height in pixels of the timeline's names, bars and the space around them.
 const BARS_HEIGHT: f64 = 56.0;
-/// Height of a row of the legend, pixels.
+/// Height in pixels of a row of the timeline's legend.
 const ROW_HEIGHT: f64 = 18.0;
-/// Maximum number of rows in the legend. A run may execute thousands of commands with names of their own.
+/// Maximum number of rows in the timeline's legend. A run may execute thousands of commands with different names.
 const MAX_ROWS: usize = 5;
 
-/// Returns the colour of each span. All spans of one command have the same colour.
+/// Returns the colour of each execution interval. All intervals of one command have the same colour.
 pub(super) fn span_hues(spans: &[ExecutionSpan]) -> Vec<&'static str> {
     let numbers = command_numbers(spans);
     let of = |span: &ExecutionSpan| numbers.get(span.command.as_str()).copied();
@@ -26,7 +26,7 @@ pub(super) fn span_hues(spans: &[ExecutionSpan]) -> Vec<&'static str> {
         .collect()
 }
 
-/// Returns for each command its number in the order of the first starts.
+/// Returns for each command a number from 0, in the order in which the commands started first.
 fn command_numbers(spans: &[ExecutionSpan]) -> BTreeMap<&str, usize> {
     let mut numbers = BTreeMap::new();
     for span in spans {
@@ -36,13 +36,14 @@ fn command_numbers(spans: &[ExecutionSpan]) -> BTreeMap<&str, usize> {
     numbers
 }
 
-/// Returns the height of the timeline with its legend, pixels.
+/// Returns the height of the timeline with its legend, in pixels. `x` is the time axis.
 pub(super) fn height(spans: &[ExecutionSpan], x: Axis) -> f64 {
     let rows = legend(spans, x).last().map_or(0, |entry| entry.row + 1);
     BARS_HEIGHT + rows as f64 * ROW_HEIGHT
 }
 
-/// Draws one bar per command at height `y`, with the names above the bars and the legend below.
+/// Draws one bar per execution interval at the vertical position `y` in pixels, with the names above the bars and the
+/// legend below. `x` is the time axis.
 pub(super) fn draw(svg: &mut Svg, spans: &[ExecutionSpan], x: Axis, y: f64) {
     for (span, color) in spans.iter().zip(span_hues(spans)) {
         let (from, to) = (x.to_pixel(span.from), x.to_pixel(span.to));
@@ -57,7 +58,7 @@ pub(super) fn draw(svg: &mut Svg, spans: &[ExecutionSpan], x: Axis, y: f64) {
     }
 }
 
-/// Style of texts beside the names of commands.
+/// Text style of secondary texts in the timeline: ends of commands and names in the legend.
 const SOFT: TextStyle = TextStyle {
     size: 11.0,
     color: SECONDARY_TEXT,
@@ -65,28 +66,28 @@ const SOFT: TextStyle = TextStyle {
     anchor: Anchor::Start,
 };
 
-/// Returns the approximate width of a text, pixels.
+/// Returns the approximate width of a text in pixels.
 fn width(text: &str) -> f64 {
     text.chars().count() as f64 * 7.8
 }
 
-/// Returns whether the name of a command fits above its bar.
+/// Returns whether the name of a command fits above the bar of an execution interval.
 fn fits(span: &ExecutionSpan, x: Axis) -> bool {
     width(&span.command) <= x.to_pixel(span.to) - x.to_pixel(span.from)
 }
 
-/// Entry of the legend: the colour and the name of a command.
+/// Entry of the timeline's legend: the colour and the name of a command, with its position.
 struct LegendEntry {
     /// Row of the legend, from 0 at the top.
     row: usize,
-    /// Left edge, pixels.
+    /// Left edge of the entry in pixels.
     x: f64,
     color: &'static str,
     text: String,
 }
 
-/// Returns the entries of the legend in rows from left to right. The legend is empty if each command has at least one bar
-/// with its name.
+/// Returns the entries of the timeline's legend in rows from left to right. The legend is empty if each command has at
+/// least one bar that is wide enough for its name.
 fn legend(spans: &[ExecutionSpan], x: Axis) -> Vec<LegendEntry> {
     let numbers = command_numbers(spans);
     let named = spans.iter().filter(|span| fits(span, x));
@@ -120,7 +121,7 @@ fn legend(spans: &[ExecutionSpan], x: Axis) -> Vec<LegendEntry> {
     entries
 }
 
-/// Draws the name of a command and how it ended, as far as they fit above its bar.
+/// Draws the name of a command and how it ended above its bar, as far as they fit into `room` pixels.
 fn draw_name(svg: &mut Svg, span: &ExecutionSpan, at: (f64, f64), room: f64) {
     let style = TextStyle {
         size: 12.0,

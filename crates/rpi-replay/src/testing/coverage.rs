@@ -8,46 +8,48 @@ use rpi_image::Image;
 use rpi_image::image::Signal;
 use rpi_net::{Decision, FragmentId, Input, Net, PortRef, StateTransitions};
 
-/// Coverage of a test run by location in the source: which fragments, branches and transitions were used. Each instance
-/// of a unit has entries of its own.
+/// Coverage of a test by location in the source: which fragments, branches and transitions of the net were used. Each
+/// instance of a unit (node, command or function) has entries of its own.
 #[derive(Clone, Debug)]
 pub struct Coverage {
-    /// Names of all called units at their declarations.
+    /// Locations of the names, in their declarations, of all units (nodes, commands and functions) that the test calls.
     pub called: Vec<Span>,
-    /// Each fragment except the root: location, path, and whether it was ever active.
+    /// Each fragment (conditionally active part of the net) except the root: location, path, and whether it was ever
+    /// active.
     pub fragments: Vec<(Span, String, bool)>,
-    /// Each branch: location, and whether its condition was ever false and ever true while the branch was reachable.
+    /// Each branching of an `if`: location, and whether its condition was ever false and ever true while the `if` was
+    /// reachable.
     pub branches: Vec<(Span, [bool; 2])>,
-    /// Each transition of an automaton: location, and whether it was ever taken.
+    /// Each transition of an automaton: location in the source, and whether it was ever taken.
     pub transitions: Vec<(Span, bool)>,
     choices: Vec<Branch>,
     exits: Vec<AutomatonState>,
 }
 
-/// Boolean of a net as it is found in the memory of the running image.
+/// Boolean flow of a net, with the place of its value in the memory of the running image.
 #[derive(Clone, Copy, Debug)]
 enum ObservedBoolean {
-    /// The Boolean has this value in every cycle.
+    /// The Boolean is constant and has this value in every cycle.
     Constant(bool),
-    /// The Boolean is a signal that is computed in the fragment with this index.
+    /// The Boolean is computed in each cycle: its place and type in memory, and the index of its fragment.
     Computed(Signal, u32),
     /// The Boolean is absent in all cycles.
     Absent,
 }
 
-/// Branching of an `if`, for coverage. It counts in the cycles in which its fragment is active and the enclosing branch
-/// has the required value.
+/// Branching of an `if`, for coverage. A cycle counts if the fragment of the `if` is active, and the enclosing `if`
+/// takes the branch with it.
 #[derive(Clone, Debug)]
 struct Branch {
     condition: ObservedBoolean,
-    /// Index of the fragment; `None` if the fragment is never active.
+    /// Index of the fragment with the `if`; `None` if the fragment is never active.
     fragment: Option<u32>,
-    /// Index of the enclosing branch, which has a smaller index, and the value of its condition that makes this one
-    /// reachable.
+    /// Index of the enclosing `if`, which is smaller, and the value of its condition with which this `if` is reachable;
+    /// `None` if no `if` encloses it.
     enclosing: Option<(usize, bool)>,
 }
 
-/// State of an automaton, for coverage, with the conditions of its outgoing transitions in order.
+/// State of an automaton, for coverage, with the conditions of its outgoing transitions by descending priority.
 #[derive(Clone, Debug)]
 struct AutomatonState {
     is_current: ObservedBoolean,
@@ -122,7 +124,8 @@ impl ObservedBoolean {
 }
 
 impl AutomatonState {
-    /// Returns the index of the transition that is taken in this cycle.
+    /// Returns the index of the state's transition that is taken in this cycle; `None` if the state is not active or no
+    /// transition is taken.
     fn taken_transition(&self, machine: &Instance) -> Option<usize> {
         let holds = |watched: &ObservedBoolean| watched.value(machine) == Some(true);
         let mut conditions = self.conditions.iter();
@@ -130,7 +133,7 @@ impl AutomatonState {
     }
 }
 
-/// Index by which the ports and fragments of a net are found in its image.
+/// Index by name of the ports and fragments in the image of a net.
 struct ImageIndex<'n> {
     net: &'n Net,
     ports: BTreeMap<String, (Signal, u32)>,
@@ -195,7 +198,7 @@ impl<'n> ImageIndex<'n> {
     }
 }
 
-/// Returns location and path of each fragment of an image except the root; no fragment is covered yet.
+/// Returns location and path of each fragment of an image except the root, marked as not covered yet.
 fn fragments(net: &Net, image: &Image) -> Vec<(Span, String, bool)> {
     let ids = net.fragment_ids().skip(1);
     let places = ids.map(|id| (path_of(net, id), net.fragment(id).origin.span));

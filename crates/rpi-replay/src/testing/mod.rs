@@ -9,7 +9,7 @@ pub use coverage::Coverage;
 
 use rpi_core::{CycleContext, Instance, Verdict};
 use rpi_device::NoDevices;
-use rpi_diag::Diagnostic;
+use rpi_diag::{Diagnostic, FileId, Quote, Span};
 use rpi_image::Image;
 use rpi_image::image::{CommandEnd, CommandEndKind, Export, Signal, TextRange};
 use rpi_net::{Claim, Net};
@@ -17,18 +17,18 @@ use rpi_runtime::ImageLoadError;
 
 use crate::monitor::{self, ExportValues};
 
-/// Test of a program, ready to be run: its net and image, its conditions, and what is recorded.
+/// Test of a program, ready to be run: its net and image, its conditions and claims, and options.
 #[derive(Debug)]
 pub struct TestCase<'a> {
-    /// Net of the test.
+    /// Net that was compiled from the `test` declaration in the program.
     pub net: &'a Net,
-    /// Image of the net, lowered with observable ports.
+    /// Image of the net, lowered so that all ports can be observed.
     pub image: Image,
-    /// Assertions of the test, in text order.
+    /// Assertions in the test, in the order of the text. Their conditions must hold in every cycle.
     pub conditions: &'a [TestCondition],
-    /// Claims of the units that the test calls.
+    /// Claims (assertions and contracts) of the nodes and commands that the test calls.
     pub claims: &'a [Claim],
-    /// Whether coverage is recorded during the test.
+    /// Whether to record which fragments, branches and transitions of the net the test covers.
     pub coverage: bool,
     /// Maximum number of cycles. The default is [`MAX_FINISH_CYCLES`] for a test that can finish and [`DEFAULT_CYCLES`] for any other test.
     pub cycles: Option<u64>,
@@ -37,30 +37,30 @@ pub struct TestCase<'a> {
 /// Default number of cycles of a test that cannot finish.
 pub const DEFAULT_CYCLES: u64 = 1000;
 
-/// Default limit of cycles for a test that can finish.
+/// Number of cycles after which a test with a `finish` counts as failed, unless `--cycles` gives another number.
 pub const MAX_FINISH_CYCLES: u64 = 100_000;
 
-/// A Boolean export that must be true in every cycle in which it is present.
+/// Condition of a test: a Boolean export that must be true in every cycle in which it is present.
 #[derive(Clone, Debug)]
 pub struct TestCondition {
-    /// Name of the Boolean export in the net of the test.
+    /// Key of the Boolean export in the net of the test. A condition that is constantly true has no export.
     pub key: String,
-    /// Names and keys of the exports whose values are shown when the condition fails.
+    /// Names and export keys of the values that are shown when the condition fails.
     pub reads: Vec<(String, String)>,
 }
 
 /// Outcome of one test of a program: its verdicts, violated claims, end and coverage.
 #[derive(Debug)]
 pub struct TestReport {
-    /// Number of executed cycles.
+    /// Number of cycles that the test has run.
     pub cycles: u64,
-    /// For each assertion of the test, whether it held, failed or was never active.
+    /// For each assertion of the test, in the order of the text, whether it held, failed or was never active.
     pub verdicts: Vec<ConditionVerdict>,
-    /// Diagnostics of violated claims.
+    /// Diagnostics of the claims (assertions and contracts of called nodes) that were violated.
     pub violations: Vec<Diagnostic>,
-    /// How the test ended; `None` if it cannot finish.
+    /// How the test ended; `None` if it cannot finish and has run its number of cycles.
     pub end: Option<TestEnd>,
-    /// Coverage, if it was recorded.
+    /// Coverage of the net by the test; `None` if it was not recorded.
     pub coverage: Option<Coverage>,
 }
 
@@ -71,16 +71,16 @@ pub enum ConditionVerdict {
     Held,
     /// The condition was absent in all cycles, so that it tested nothing.
     NeverPresent,
-    /// The condition was false. Only the first such cycle is reported.
+    /// The condition was false in at least one cycle. Only the first such cycle is reported.
     Violated {
         /// First cycle in which the condition was false, from 0.
         cycle: u64,
-        /// Names and values of the shown exports; `null` for an absent value.
+        /// Names and values, as text, of the exports shown for the failed condition; `null` for an absent value.
         values: Vec<(String, String)>,
     },
 }
 
-/// How the run of a test ended: by a result, a fault or the cycle limit.
+/// How a test ended: with a result, with a fault, or at the cycle limit.
 #[derive(Clone, PartialEq, Debug)]
 pub enum TestEnd {
     /// The test finished with `finish` or `yield`.
@@ -93,13 +93,15 @@ pub enum TestEnd {
     Fault {
         /// Description of the fault that ended the test.
         what: String,
-        /// Location of the faulty operation in the source.
+        /// Advice for the operation, if a program can avoid the fault. It quotes the source ([`rpi_diag::Quote`]).
+        advice: Option<String>,
+        /// Range in the source of the operation that raised the fault; `None` if it is unknown.
         location: Option<TextRange>,
     },
 }
 
 impl TestReport {
-    /// Returns true if the test finished and no condition or claim was violated.
+    /// Returns true if the test finished, or cannot finish, and every condition held and no claim was violated.
     #[must_use]
     pub fn passed(&self) -> bool {
         let ended = matches!(self.end, None | Some(TestEnd::Finished));
@@ -112,7 +114,7 @@ impl TestReport {
     }
 }
 
-/// Runs a test.
+/// Runs a test and returns its report.
 ///
 /// # Errors
 /// Returns the load errors if the image cannot be loaded.
@@ -140,7 +142,7 @@ fn can_finish(end: &CommandEnd) -> bool {
     }
 }
 
-/// Running test: the command, and the verdicts on its conditions so far.
+/// State of a running test: the net's image, and the verdicts on its conditions so far.
 struct TestRun {
     machine: Instance,
     conditions: Vec<MonitoredCondition>,
@@ -188,7 +190,8 @@ impl TestRun {
         }
     }
 
-    /// Executes one cycle of the test. Returns how the test ended, if it ended in this cycle.
+    /// Executes the cycle of the test with this number, from 0. Returns how the test ended if it ended in this cycle,
+    /// else `None`.
     fn cycle(&mut self, cycle: u64) -> Option<TestEnd> {
         let bank = &mut NoDevices;
         self.machine
@@ -200,9 +203,12 @@ impl TestRun {
         let verdict = self.machine.verdict(&[]);
         if let Some(Verdict::Fault(fault)) = verdict {
             let place = self.machine.image().location_of(fault.slot);
+            let location = place.and_then(|place| place.range);
+            let operation = location.map_or_else(|| "...".to_owned(), quoted);
             return Some(TestEnd::Fault {
                 what: rpi_runtime::run::fault_message(fault.code, fault.values),
-                location: place.and_then(|place| place.range),
+                advice: rpi_runtime::run::fault_advice(fault.code, &operation),
+                location,
             });
         }
         for condition in &mut self.conditions {
@@ -241,7 +247,7 @@ impl TestRun {
     }
 }
 
-/// Access to the exported flows of the running image of a test, for monitors.
+/// Access to the exported flows of a running test, by which its claims are monitored.
 struct MachineExports<'m>(&'m Instance);
 
 impl ExportValues for MachineExports<'_> {
@@ -280,7 +286,8 @@ impl MonitoredCondition {
     }
 }
 
-/// Returns the times and core flows of a cycle of the test. The epoch is the start of the test.
+/// Returns the context of a cycle of the test (clocks and inputs from the core). The clocks begin with 0 at the start
+/// of the test.
 fn cycle_context(cycle: u64, machine: &Instance) -> CycleContext {
     let ns = cycle.saturating_mul(machine.image().period_ns);
     let ns = i64::try_from(ns).unwrap_or(i64::MAX);
@@ -289,4 +296,14 @@ fn cycle_context(cycle: u64, machine: &Instance) -> CycleContext {
         wall_ns: ns,
         ..CycleContext::default()
     }
+}
+
+/// Returns the quotation of the source text in a range.
+fn quoted(range: TextRange) -> String {
+    let span = Span {
+        file: FileId(range.file),
+        start: range.start,
+        end: range.end,
+    };
+    Quote::text(span).to_string()
 }

@@ -2,7 +2,8 @@
 
 use rpi_image::PrimDesc;
 
-/// Table of the out-ports that are angles: primitive, port, and for Euler angles the port with the middle angle.
+/// Out-ports of primitives whose values are angles: primitive, port, and for Euler angles the port with the middle
+/// angle.
 const ANGLES: &[(&str, &str, Option<&str>)] = &[
     ("World::RotationToABC", "outA", Some("outB")),
     ("World::RotationToABC", "outB", Some("outB")),
@@ -11,18 +12,19 @@ const ANGLES: &[(&str, &str, Option<&str>)] = &[
     ("Core::DoubleAtan2", "outValue", None),
 ];
 
-/// Kind of the values of an out-port for their comparison: numbers or angles.
+/// Kind of values at an out-port, by which a computed value is compared with a recorded one: numbers or angles.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub(super) enum AngleKind {
     /// Values are compared as numbers.
     Plain,
     /// Values are compared as angles: values that differ by whole turns are equal.
     Angle,
-    /// The value is one of three Euler angles. The index is that of the out-port with the middle angle.
+    /// The value is one of three Euler angles. The index is that of the primitive's out-port with the middle angle,
+    /// which shows whether the angles are near gimbal lock.
     Euler(usize),
 }
 
-/// Returns how the values of an out-port are compared.
+/// Returns the kind of values at the out-port with the index `port` of a primitive.
 pub(super) fn angle_kind(desc: &PrimDesc, port: usize) -> AngleKind {
     let name = desc.outputs[port].name;
     let found = ANGLES.iter().find(|a| a.0 == desc.name && a.1 == name);

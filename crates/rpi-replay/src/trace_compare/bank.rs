@@ -2,14 +2,16 @@
 
 use rpi_device::{DeviceBank, PortId, PortQuery, Rejection, ResolveError};
 
-/// Device bank in which every device exists, for the replay of traces.
+/// Device bank for the replay of a trace: every device exists and has no effect, because all device values come from
+/// the trace.
 #[derive(Default)]
 pub(super) struct TraceBank {
     ports: u32,
 }
 
 impl DeviceBank for TraceBank {
-    /// Makes each port a separate actuator: conflicts between writers are part of the trace and need not be detected.
+    /// Returns a new actuator number for each port, so that no two writers conflict: such conflicts are part of the
+    /// trace and need not be detected.
     fn resolve(&mut self, _: &PortQuery<'_>) -> Result<PortId, ResolveError> {
         self.ports += 1;
         Ok(PortId(self.ports))

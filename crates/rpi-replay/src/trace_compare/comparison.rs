@@ -34,8 +34,8 @@ impl Replay<'_> {
         }
     }
 
-    /// Returns true if a node depends on a value that the trace does not contain. A node with state stays unknown from
-    /// then on.
+    /// Returns true if a node depends on a value that the trace does not contain, so that its own values are unknown. A
+    /// node with state stays unknown from then on.
     fn reads_unknown(&self, id: NodeId) -> bool {
         let node = self.net.node(id);
         let keeps = !matches!(node.desc().state, StateSize::None);
@@ -43,7 +43,7 @@ impl Replay<'_> {
         (keeps && self.unknown[id.index()]) || node.inputs.iter().any(reads)
     }
 
-    /// Sets an out-port that depends on the environment to the value recorded in this cycle.
+    /// Sets an out-port whose value comes from the environment, such as a sensor, to the value recorded in this cycle.
     fn force_input(&mut self, port: PortRef) {
         let recorded = self.recorded(port);
         let held = &mut self.held_inputs[port.node.index()][usize::from(port.port)];
@@ -67,7 +67,7 @@ impl Replay<'_> {
         }
     }
 
-    /// Compares the computed value of a port with the recorded one.
+    /// Compares the computed value of a port in this cycle with the recorded one, and counts the result.
     fn compare(&mut self, port: PortRef) {
         let recorded = self.recorded(port);
         if recorded == RecordedValue::Unknown {
@@ -178,7 +178,7 @@ impl Replay<'_> {
         unsure
     }
 
-    /// Stores the first cycle in which a port deviates by any amount.
+    /// Stores the number of the cycle if the port deviates from the trace for the first time, by any amount.
     fn note_deviation(&mut self, port: PortRef, relation: Relation) {
         if !matches!(relation, Relation::NotComparable) && relation != Relation::Agrees(0.0) {
             let since = &mut self.first_deviation[port.node.index()][usize::from(port.port)];
@@ -187,8 +187,8 @@ impl Replay<'_> {
     }
 }
 
-/// Forces a port to a recorded value. Values that were not recorded leave the port unchanged. Returns false if the
-/// recorded value has the wrong type.
+/// Sets a port of the running net to a recorded value. Values that were not recorded leave the port unchanged. Returns
+/// false if the recorded value has the wrong type.
 fn force(machine: &mut Instance, signal: Signal, recorded: &RecordedValue) -> bool {
     match recorded {
         RecordedValue::Value(cells) => machine.force(signal, Some(cells)),

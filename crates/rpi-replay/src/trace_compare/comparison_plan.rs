@@ -12,27 +12,28 @@ use super::inputs::{is_input, is_latched};
 use super::names::PortNames;
 use rpi_record::trace::{Trace, TracePortId};
 
-/// Out-port of a node, prepared for the comparison with a trace.
+/// Out-port of a node, with all data for the comparison of its values with a trace.
 pub(super) struct OutPort {
     pub(super) signal: Signal,
-    /// Index of the port's fragment in the image.
+    /// Index in the image of the fragment to which the port belongs.
     pub(super) fragment: u32,
-    /// Port of the trace, if it has a row there.
+    /// Index of the port in the trace; `None` if the trace has no value of it.
     pub(super) recorded: Option<TracePortId>,
     pub(super) measure: AngleKind,
 }
 
-/// Node of a net, prepared for the comparison with a trace.
+/// Node of a net, with all data for the comparison of its out-ports with a trace.
 pub(super) struct ComparedNode {
-    /// Path of the node, `outer/inner/name`.
+    /// Path of the node in the net, `outer/inner/name`.
     pub(super) path: String,
-    /// Out-ports of the node.
+    /// Out-ports of the node, in the order of the primitive's declaration.
     pub(super) out_ports: Vec<OutPort>,
     /// Whether the values of the out-ports are taken from the trace instead of being computed.
     pub(super) is_input: bool,
 }
 
-/// Port that shows the value of an out-port or a constant under another name, such as an out-port of a fragment.
+/// Port that shows the value of an out-port or a constant under another name, such as an out-port of a fragment. Its
+/// recorded value is compared as well.
 pub(super) struct Alias {
     pub(super) name: String,
     pub(super) ty: Type,
@@ -40,29 +41,31 @@ pub(super) struct Alias {
     pub(super) place: AliasKind,
 }
 
-/// Kind of a port that shows the value of another port.
+/// Kind of a port that only shows the value of another port.
 #[derive(Clone, Copy, PartialEq, Eq)]
 pub(super) enum AliasKind {
-    /// Out-port of a fragment. It is recorded like the out-ports of nodes.
+    /// Out-port of a fragment, recorded like the out-ports of nodes, with its index in the trace; `None` if the trace
+    /// has no value of it.
     FragmentOutput(Option<TracePortId>),
-    /// In-port of a node that was selected for recording.
+    /// In-port of a node that was selected for recording, with its index in the trace.
     InPort(TracePortId),
 }
 
-/// All ports that are compared, and the order of comparison.
+/// Plan for the comparison of a net with a trace: all ports that are compared, and the order of comparison.
 pub(super) struct ComparisonPlan {
     /// Nodes of the net, by index.
     pub(super) nodes: Vec<ComparedNode>,
     pub(super) aliases: Vec<Alias>,
-    /// Nodes whose out-ports have their values before the first step.
+    /// Nodes whose out-ports have their values before the first step of a cycle, such as sensors.
     pub(super) latched: Vec<NodeId>,
-    /// For each step, the nodes that are complete after it.
+    /// For each step of the image, the nodes whose last step it is, and which are compared after it.
     pub(super) completed_after: Vec<Vec<NodeId>>,
-    /// Nodes without a step, such as constants.
+    /// Nodes without a step in the image, such as constants.
     pub(super) stepless: Vec<NodeId>,
-    /// Ports of the trace that do not exist in the net.
+    /// Names of the trace's ports that do not exist in the net.
     pub(super) unmatched: Vec<String>,
-    /// Offset that was added to the numbers in generated names of the trace so that they match the net.
+    /// Offset that was added to the numbers in the generated names of the trace so that they match the names of the
+    /// net.
     pub(super) shift: i64,
 }
 
@@ -91,7 +94,7 @@ impl ComparisonPlan {
         }
     }
 
-    /// Returns the prepared data of an out-port.
+    /// Returns the comparison data of an out-port.
     pub(super) fn out_port(&self, port: PortRef) -> &OutPort {
         &self.nodes[port.node.0 as usize].out_ports[usize::from(port.port)]
     }
@@ -127,7 +130,7 @@ fn compared_nodes(net: &Net, image: &Image, names: &PortNames) -> Vec<ComparedNo
     net.node_ids().map(node).collect()
 }
 
-/// Iterates over the out-ports of all fragments except the root.
+/// Iterates over the out-ports of all fragments except the root: the path of each, and its source.
 fn fragment_outputs(net: &Net) -> impl Iterator<Item = (String, &Input)> {
     let inner = net.fragments.iter().filter_map(|f| Some((f.parent?, f)));
     inner.flat_map(|(parent, fragment)| {
@@ -174,7 +177,8 @@ pub(super) fn type_of(net: &Net, input: &Input) -> Option<Type> {
     }
 }
 
-/// Returns the in-ports that were selected for recording.
+/// Returns the in-ports of the net that the trace contains, because they were selected for recording. `in_ports` has
+/// the type and the source of each in-port by name.
 fn recorded_in_ports(in_ports: &BTreeMap<String, (Type, &Input)>, names: &PortNames) -> Vec<Alias> {
     let chosen = names
         .iter()
@@ -189,7 +193,8 @@ fn recorded_in_ports(in_ports: &BTreeMap<String, (Type, &Input)>, names: &PortNa
         .collect()
 }
 
-/// Returns the names of all ports that a trace can contain for a net: its nodes' out-ports and its in-ports.
+/// Returns the names of all ports that a trace can contain for a net: the out-ports of nodes and fragments, and the
+/// in-ports of nodes.
 fn all_port_names(net: &Net, in_ports: &BTreeMap<String, (Type, &Input)>) -> BTreeSet<String> {
     let outs = net.nodes.iter().flat_map(|node| {
         let path = net.path(node.fragment, &node.name);
@@ -202,7 +207,8 @@ fn all_port_names(net: &Net, in_ports: &BTreeMap<String, (Type, &Input)>) -> BTr
         .collect()
 }
 
-/// Returns the nodes whose last step is a given step, for each step, and the nodes without a step.
+/// Returns two lists: for each step of the image the nodes in `ids` whose last step it is, and the nodes in `ids`
+/// without a step.
 fn completed_after(
     image: &Image,
     nodes: &[ComparedNode],

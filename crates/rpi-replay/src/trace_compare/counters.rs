@@ -3,7 +3,7 @@
 use super::report::{CompareReport, ExplainedDifference, LargestDeviation, PortDeviations};
 use super::trace_view::RecordedValue;
 
-/// Place of a compared value: the port and the cycle.
+/// Place of a compared value: the number of the cycle, the port, and the primitive of its node.
 #[derive(Clone, Copy)]
 pub(super) struct PortInCycle<'a> {
     pub(super) cycle: u64,
@@ -11,7 +11,7 @@ pub(super) struct PortInCycle<'a> {
     pub(super) primitive: &'a str,
 }
 
-/// Report of a comparison while it is being filled.
+/// Report of a comparison with a trace while it is being filled.
 #[derive(Default)]
 pub(super) struct ReportBuilder {
     pub(super) report: CompareReport,
@@ -25,7 +25,7 @@ impl ReportBuilder {
         tally
     }
 
-    /// Counts one value of a trace that was compared, as present or absent.
+    /// Counts one recorded value that was compared, either as present or as absent.
     pub(super) fn count_compared(&mut self, recorded: &RecordedValue) {
         let compared = &mut self.report.compared;
         match recorded {
@@ -34,8 +34,8 @@ impl ReportBuilder {
         }
     }
 
-    /// Counts an agreeing value. `texts` returns the computed and recorded texts; it is only called for the largest
-    /// deviation so far.
+    /// Counts a computed value that agrees with the recorded one. `texts` returns both as text; it is only called for
+    /// the largest deviation so far.
     pub(super) fn count_agreeing(
         &mut self,
         at: PortInCycle<'_>,
@@ -55,7 +55,8 @@ impl ReportBuilder {
         }
     }
 
-    /// Counts a deviating value without an explanation. Returns true for the first one.
+    /// Counts a computed value that differs from the recorded one for no known reason. `deviation` is `None` if one of
+    /// them is absent. Returns true for the first such value.
     pub(super) fn count_differing(&mut self, at: PortInCycle<'_>, deviation: Option<f64>) -> bool {
         self.report.differing += 1;
         let ports = &mut self.report.ports;
@@ -75,7 +76,8 @@ impl ReportBuilder {
         self.report.differing == 1
     }
 
-    /// Counts a deviating value that a documented difference explains.
+    /// Counts a computed value that differs from the recorded one because of a documented difference. `entry` is the
+    /// name of the difference, `why` its cause.
     pub(super) fn count_explained(
         &mut self,
         at: PortInCycle<'_>,

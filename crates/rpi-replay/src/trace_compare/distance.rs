@@ -9,7 +9,8 @@ use std::f64::consts::{PI, TAU};
 use rpi_image::{Scalar, Type};
 use rpi_prims::value_types::{FlowType, Rotation};
 
-/// Returns the distance between two values of one type; 0 if they are equal.
+/// Returns the distance between two values of one type, given as memory words; 0 if they are equal. Reals have the
+/// mixed absolute and relative difference, rotations the angle between them in radians.
 pub(super) fn deviation(ty: Type, a: &[u64], b: &[u64]) -> f64 {
     let scalar = element(ty);
     let size = scalar.slots() as usize;
@@ -19,7 +20,7 @@ pub(super) fn deviation(ty: Type, a: &[u64], b: &[u64]) -> f64 {
         .fold(0.0, f64::max)
 }
 
-/// Returns the [`deviation`] of two reals that are angles.
+/// Returns the distance in radians between two reals that are angles; whole turns do not count.
 pub(super) fn angle_deviation(a: &[u64], b: &[u64]) -> f64 {
     let [a, b] = [a, b].map(|cells| f64::load(cells, 0));
     if (a - b).is_finite() {
@@ -45,12 +46,13 @@ pub(super) fn is_near_gimbal_lock(ty: Type, cells: &[u64]) -> bool {
     })
 }
 
-/// Like [`is_near_gimbal_lock`], for the middle Euler angle in radians.
+/// Returns true if Euler angles with this middle angle (rad) are so close to gimbal lock that they have few significant
+/// digits: within a thousandth of a radian of a quarter turn.
 pub(super) fn is_near_gimbal_lock_angle(middle: f64) -> bool {
     ((middle.abs() - PI / 2.0).abs()) < GIMBAL_LOCK_MARGIN
 }
 
-/// Distance from a quarter turn that counts as near, in radians.
+/// Distance of the middle Euler angle from a quarter turn, in radians, up to which a rotation is near gimbal lock.
 const GIMBAL_LOCK_MARGIN: f64 = 1e-3;
 
 fn is_quarter_turn(sine: f64) -> bool {

@@ -14,7 +14,8 @@ use super::trace_view::RecordedValue;
 /// Maximum number of ports on the path of a deviation. Longer paths give no further information.
 const MAX_LINKS: usize = 64;
 
-/// Returns the path of deviating ports that led to the deviation at an out-port, from there backwards.
+/// Returns the path of deviating ports that led to the deviation at an out-port: from this port backwards through the
+/// inputs with the largest deviations.
 pub(super) fn divergence(replay: &Replay<'_>, port: PortRef) -> Divergence {
     let mut path = Vec::new();
     let mut seen = BTreeSet::new();
@@ -29,7 +30,8 @@ pub(super) fn divergence(replay: &Replay<'_>, port: PortRef) -> Divergence {
     }
 }
 
-/// Returns the path of deviating ports that led to the deviation at a port that only forwards `source`.
+/// Returns the path of deviating ports that led to the deviation at the port `name`, which only shows the value of
+/// `source`.
 pub(super) fn alias_divergence(replay: &Replay<'_>, name: &str, source: &Input) -> Divergence {
     let ty = super::comparison_plan::type_of(replay.net, source);
     let computed = replay.input_value(source);
@@ -85,8 +87,8 @@ fn input_rows(replay: &Replay<'_>, port: PortRef) -> Vec<(String, String, String
     ports.filter_map(row).collect()
 }
 
-/// Returns the deviating input with the largest deviation, if any. The path ends at a delay: a delay reads a value of
-/// the previous cycle, in which nothing deviated.
+/// Returns the source of the deviating input of a port's node with the largest deviation; `None` if no input deviates,
+/// and at a delay, because a delay reads a value of the previous cycle, in which nothing deviated.
 fn worst_input(replay: &Replay<'_>, port: PortRef) -> Option<PortRef> {
     let node = replay.net.node(port.node);
     if node.desc().role == Role::Delay {

@@ -17,7 +17,8 @@ use super::trace_view::{CycleView, RecordedValue, varying_ports};
 use rpi_record::trace::Trace;
 use rpi_runtime::ImageLoadError;
 
-/// Replays a net against a trace and compares every computed value that the trace also holds.
+/// Executes a net with the recorded values of a trace as inputs, and compares every computed value that the trace also
+/// has.
 ///
 /// # Errors
 /// Returns an error if the net cannot be executed or the trace is empty. A deviation is not an error; it is part of the
@@ -42,8 +43,8 @@ pub fn replay(net: &Net, trace: &Trace, options: &Options) -> Result<CompareRepo
     Ok(replay.tally.report)
 }
 
-/// Lowers the net with all ports observable. Every port that the trace or a documented difference may make absent gets
-/// a presence bit.
+/// Lowers the net with all ports observable and loads its image. Every port that the trace or a documented difference
+/// may make absent gets a presence bit.
 fn machine(net: &Net, options: &Options, bank: &mut TraceBank) -> Result<Instance, ReplayError> {
     let may_be_absent = |port: PortRef| {
         // The passes may have appended delay nodes that the trace does not know.
@@ -66,7 +67,7 @@ fn machine(net: &Net, options: &Options, bank: &mut TraceBank) -> Result<Instanc
     instance.map_err(ReplayError::Loading)
 }
 
-/// State of a replay that is in progress.
+/// State of a replay that is in progress: the running net, the trace, and the report so far.
 pub(super) struct Replay<'a> {
     pub(super) net: &'a Net,
     pub(super) plan: ComparisonPlan,
@@ -77,17 +78,20 @@ pub(super) struct Replay<'a> {
     period_ns: u64,
     pub(super) tolerance: Tolerance,
     pub(super) tally: ReportBuilder,
-    /// For each port of the trace, whether it had more than one value.
+    /// For each port of the trace, by its index, whether it had more than one value.
     pub(super) varies: Vec<bool>,
-    /// Last known values of inputs that the trace does not have in every cycle, by node and port.
+    /// For each node and out-port whose value comes from the trace, the latest recorded value, which stays valid in
+    /// cycles without a recorded value.
     pub(super) held_inputs: Vec<Vec<RecordedValue>>,
-    /// Nodes whose values depend on a value that the trace does not have in this cycle.
+    /// For each node, whether its values depend on a value that the trace does not have in this cycle.
     pub(super) unknown: Vec<bool>,
-    /// Nodes whose fragment was inactive in the previous cycle.
+    /// For each node, whether its fragment was inactive in the previous cycle.
     pub(super) was_inactive: Vec<bool>,
-    /// Nodes whose recorded value in this cycle may refer to an object that the reference system has overwritten since.
+    /// For each node, whether its recorded value in this cycle may refer to an object that the reference system (the
+    /// control core of the Robotics API) has overwritten since.
     pub(super) aliased: Vec<bool>,
-    /// First cycle in which a port deviated from the trace by any amount.
+    /// For each node and out-port, the first cycle in which the port deviated from the trace by any amount; `None` if
+    /// it did not.
     pub(super) first_deviation: Vec<Vec<Option<u64>>>,
 }
 
@@ -153,7 +157,7 @@ impl<'a> Replay<'a> {
         self.machine.hand_over(&mut self.bank);
     }
 
-    /// Executes the steps of the net. A node is compared as soon as its last step was executed or skipped.
+    /// Executes the steps of one cycle. A node is compared as soon as its last step was executed or skipped.
     fn evaluate(&mut self) {
         let mut pc = 0;
         while pc < self.plan.completed_after.len() {
@@ -174,7 +178,7 @@ impl<'a> Replay<'a> {
         }
     }
 
-    /// Returns the period in seconds.
+    /// Returns the period of the net in seconds.
     pub(super) fn dt(&self) -> f64 {
         self.period_ns as f64 * 1e-9
     }

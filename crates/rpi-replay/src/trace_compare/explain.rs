@@ -8,20 +8,22 @@ use super::engine::Replay;
 use super::relation::equal_within;
 use super::trace_view::RecordedValue;
 
-/// Returns true if a documented difference covers this port. Such a port may be forced to any value or to absence.
+/// Returns true if a documented difference to the reference system (the control core of the Robotics API) covers the
+/// out-port with the index `port`. Such a port may be set to any value or to absence.
 pub(super) fn is_documented(desc: &PrimDesc, port: usize) -> bool {
     differences::has_difference(desc, port)
 }
 
-/// Returns true if the reference system may have computed a wrong value at this port. Without a recorded value the true
-/// value is then unknown.
+/// Returns true if the reference system (the control core of the Robotics API) may have computed a wrong value at the
+/// out-port with the index `port`. Without a recorded value the true value is then unknown.
 pub(super) fn may_be_wrong(desc: &PrimDesc, port: usize) -> bool {
     let own = |d: &&Difference| !matches!(d.condition, Condition::ReadsAliased);
     let mut entries = DIFFERENCES.iter().filter(own);
     entries.any(|d| d.applies_to(desc, port))
 }
 
-/// Returns the documented difference that explains a deviating value.
+/// Returns the documented difference to the reference system (the control core of the Robotics API) that explains why a
+/// computed value deviates from the recorded one; `None` if no difference explains it.
 pub(super) fn explain(
     replay: &Replay<'_>,
     port: PortRef,
@@ -58,7 +60,8 @@ pub(super) fn explain(
     differences::explain(&case, |a, b| equal_within(ty, a, b, replay.tolerance))
 }
 
-/// Returns true if a node reads a value that the reference system has overwritten since.
+/// Returns true if a node reads a recorded value that the reference system (the control core of the Robotics API) has
+/// overwritten since.
 pub(super) fn reads_aliased(replay: &Replay<'_>, node: NodeId) -> bool {
     let mut reads = replay.net.node(node).inputs.iter();
     reads.any(|i| matches!(i, Input::Port(p) if replay.aliased[p.node.index()]))
@@ -71,8 +74,8 @@ fn source_primitive<'a>(replay: &Replay<'a>, input: &Input) -> Option<&'a str> {
     }
 }
 
-/// Returns the values recorded in this cycle upstream of the first in-port, through primitives of the reference system
-/// that pass objects on.
+/// Returns the values recorded in this cycle upstream of the node's first in-port, through primitives by which the
+/// reference system (the control core of the Robotics API) passes objects on without copying them.
 fn origins(replay: &Replay<'_>, port: PortRef) -> Vec<Vec<u64>> {
     let ty = replay.plan.out_port(port).signal.ty;
     let mut found = Vec::new();

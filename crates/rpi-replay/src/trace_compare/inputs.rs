@@ -19,7 +19,7 @@ pub(super) fn is_input(desc: &PrimDesc) -> bool {
     }
 }
 
-/// Returns true if the out-ports have their values before the first step of a cycle.
+/// Returns true if the out-ports of the primitive have their values before the first step of a cycle, as sensors do.
 pub(super) fn is_latched(desc: &PrimDesc) -> bool {
     matches!(desc.role, Role::Sensor(_) | Role::Input | Role::Flow(_))
 }

@@ -8,15 +8,15 @@ use std::collections::{BTreeMap, BTreeSet};
 
 use rpi_record::trace::{Trace, TracePortId};
 
-/// Ports of a trace by the names that they have in the net.
+/// Ports of a trace, by the names that they have in the net.
 pub(super) struct PortNames {
     by_name: BTreeMap<String, TracePortId>,
-    /// Offset that is added to the numbers in the names of the trace.
+    /// Offset that is added to the numbers in generated names of the trace; 0 if the names match without it.
     pub(super) shift: i64,
 }
 
 impl PortNames {
-    /// Matches the names of the trace with those of the net.
+    /// Matches the names of the trace's ports with those of the net. `known` are the names of all ports of the net.
     pub(super) fn new(trace: &Trace, known: &BTreeSet<String>) -> PortNames {
         let has_common_name = trace.ports().any(|(_, name)| known.contains(name));
         let shift = if has_common_name {
@@ -33,7 +33,7 @@ impl PortNames {
         }
     }
 
-    /// Returns the port of the trace with this name in the net.
+    /// Returns the index in the trace of the port with this name in the net; `None` if the trace has no such port.
     pub(super) fn find(&self, name: &str) -> Option<TracePortId> {
         self.by_name.get(name).copied()
     }
@@ -44,7 +44,7 @@ impl PortNames {
     }
 }
 
-/// Returns the offset that maps every name of the trace to a known name.
+/// Returns the offset that maps every name of the trace to a known name of the net; `None` if there is no such offset.
 fn common_shift(trace: &Trace, known: &BTreeSet<String>) -> Option<i64> {
     let first_of_net = known.iter().flat_map(|name| trailing_numbers(name)).min()?;
     let first_of_trace = trace
@@ -59,14 +59,15 @@ fn common_shift(trace: &Trace, known: &BTreeSet<String>) -> Option<i64> {
         .then_some(shift)
 }
 
-/// Returns the numbers at the ends of the names in a path.
+/// Returns the numbers at the ends of the parts of a path: 2 and 15 for `f2/p15.out`.
 fn trailing_numbers(name: &str) -> impl Iterator<Item = i64> {
     let (path, _) = split_port(name);
     path.split('/')
         .filter_map(|part| split_number(part).map(|(_, number)| number))
 }
 
-/// Returns a path with the offset added to each of its names; `None` if a name has no number.
+/// Returns the path of a port with the offset added to the number at the end of each of its parts; `None` if a part has
+/// no number.
 fn shifted(name: &str, shift: i64) -> Option<String> {
     if shift == 0 {
         return Some(name.to_owned());
@@ -86,7 +87,7 @@ fn split_port(name: &str) -> (&str, &str) {
     name.rsplit_once('.').unwrap_or((name, ""))
 }
 
-/// Splits a generated name into stem and number.
+/// Splits a generated name into stem and number: `p` and 15 for `p15`; `None` if the name has no number.
 fn split_number(part: &str) -> Option<(&str, i64)> {
     let stem = part.trim_end_matches(|c: char| c.is_ascii_digit());
     Some((stem, part[stem.len()..].parse().ok()?))

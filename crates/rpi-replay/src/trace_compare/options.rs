@@ -4,14 +4,15 @@ use std::fmt;
 
 use rpi_runtime::ImageLoadError;
 
-/// Options of a trace replay.
+/// Options of the replay of a net against a trace.
 #[derive(Clone, Copy, PartialEq, Debug)]
 pub struct Options {
-    /// Period in nanoseconds. The corpus was recorded with 25 ms.
+    /// Period of the net in nanoseconds. The default of 25 ms is the period of the authors' recorded traces.
     pub period_ns: u64,
-    /// Largest deviation of values that count as equal.
+    /// Largest deviation of values that count as equal: absolute for values up to 1, relative for larger ones.
     pub tolerance: f64,
-    /// Largest deviation of Euler angles and rotations near gimbal lock, where fewer digits are significant.
+    /// Largest deviation in radians of Euler angles and rotations near gimbal lock that counts as equal; fewer digits
+    /// are significant there.
     pub gimbal_lock_tolerance: f64,
 }
 
@@ -25,16 +26,16 @@ impl Default for Options {
     }
 }
 
-/// Error: a trace cannot be replayed.
+/// Error: a net cannot be replayed against a trace.
 #[derive(Clone, PartialEq, Debug)]
 pub enum ReplayError {
     /// The trace has no rows and no start time.
     EmptyTrace,
-    /// The net has a dependency cycle.
+    /// The net has a dependency cycle: flows that depend on one another in the same cycle.
     DependencyCycle,
-    /// Lowering of the net failed.
+    /// The net cannot be lowered to an image; the text is the reason.
     Lowering(String),
-    /// Loading of the image failed.
+    /// The control core rejects the image of the net, for these reasons.
     Loading(ImageLoadError),
 }
 

@@ -9,7 +9,7 @@ use super::relation::ComparisonKind;
 use super::trace_view::RecordedValue;
 
 impl Replay<'_> {
-    /// Returns the recorded value of an out-port in this cycle.
+    /// Returns the recorded value of an out-port of the net in this cycle.
     pub(super) fn recorded(&self, port: PortRef) -> RecordedValue {
         let OutPort {
             recorded, signal, ..
@@ -24,14 +24,14 @@ impl Replay<'_> {
         self.machine.value(out.signal).filter(|_| active)
     }
 
-    /// Returns the recorded value of an out-port in the previous cycle as text.
+    /// Returns the recorded value of an out-port in the previous cycle as text, for the report.
     pub(super) fn previous_value_text(&self, port: PortRef) -> String {
         let recorded = self.plan.out_port(port).recorded;
         let text = recorded.and_then(|p| self.view.previous_text(p));
         format!("{} in the previous cycle", text.unwrap_or("null"))
     }
 
-    /// Returns the slots of the value that an input reads in this cycle; `None` if it is absent.
+    /// Returns the memory words of the value that an input reads in this cycle; `None` if it is absent.
     pub(super) fn input_value<'s>(&'s self, input: &'s Input) -> Option<&'s [u64]> {
         match input {
             Input::Unconnected => None,
@@ -40,7 +40,7 @@ impl Replay<'_> {
         }
     }
 
-    /// Returns the name of an out-port, `path.port`.
+    /// Returns the full name of an out-port, `path.port`.
     pub(super) fn port_name(&self, port: PortRef) -> String {
         let path = &self.plan.nodes[port.node.index()].path;
         let outs = self.net.node(port.node).desc().outputs;
@@ -64,8 +64,8 @@ impl Replay<'_> {
         }
     }
 
-    /// Returns how the values of a forwarding port are compared. Euler angles need no special case, because the source
-    /// was already replaced by the recorded angle.
+    /// Returns how the values of a port that only shows the value of `source` are compared. Euler angles need no
+    /// special case, because the source was already replaced by the recorded angle.
     pub(super) fn alias_comparison(&self, source: &Input) -> ComparisonKind {
         match source {
             Input::Port(port) if self.plan.out_port(*port).measure != AngleKind::Plain => {

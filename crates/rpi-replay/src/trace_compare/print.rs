@@ -6,7 +6,7 @@ use rpi_diag::with_noun;
 
 use super::report::{CompareReport, Divergence, DivergenceLink};
 
-/// Maximum number of ports that a printed report lists.
+/// Maximum number of ports that the printed report of a replay lists.
 const LISTED: usize = 12;
 
 impl fmt::Display for CompareReport {

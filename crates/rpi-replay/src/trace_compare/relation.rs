@@ -8,12 +8,12 @@ use super::trace_view::RecordedValue;
 /// Result of comparing a computed value with the recorded one.
 #[derive(Clone, Copy, PartialEq, Debug)]
 pub(super) enum Relation {
-    /// The values cannot be compared.
+    /// The values cannot be compared, because the trace has no value of the port in this cycle.
     NotComparable,
-    /// The deviation is within the tolerance.
+    /// The deviation of the computed value, in the field, is within the tolerance.
     Agrees(f64),
-    /// The values are the same angle in different notations, within the tolerance. The recorded value must be used from
-    /// here on.
+    /// The values are the same angle in different notations, within the tolerance. From here on, the recorded value is
+    /// used in place of the computed one.
     EquivalentAngle,
     /// The deviation exceeds the tolerance. It is `None` if one value is absent.
     Differs(Option<f64>),
@@ -26,18 +26,21 @@ pub(super) enum ComparisonKind {
     Plain,
     /// The values are compared as angles: values that differ by whole turns are equal.
     Angle,
-    /// The value is one of three Euler angles. The field is the recorded middle angle in radians.
+    /// The value is one of three Euler angles. The field is the recorded middle angle in radians, which shows whether
+    /// they are near gimbal lock.
     Euler(f64),
 }
 
-/// Tolerances, absolute and relative, within which a computed value equals the recorded one.
+/// Largest deviations, absolute up to 1 and relative above, with which a computed value counts as equal to the recorded
+/// one: in general, and near gimbal lock.
 #[derive(Clone, Copy, PartialEq, Debug)]
 pub(super) struct Tolerance {
     pub(super) default: f64,
     pub(super) near_gimbal_lock: f64,
 }
 
-/// Returns whether a computed value agrees with the recorded one within a tolerance, differs, or cannot be compared.
+/// Returns whether a computed value of type `ty` agrees with the recorded one within the tolerance, differs, or cannot
+/// be compared. `computed` holds memory words; `None` is an absent value.
 pub(super) fn compare(
     ty: Type,
     nature: ComparisonKind,
@@ -57,7 +60,7 @@ pub(super) fn compare(
     }
 }
 
-/// Returns true if two values are equal within the tolerance.
+/// Returns true if two values of type `ty`, given as memory words, are equal within the tolerance.
 pub(super) fn equal_within(ty: Type, a: &[u64], b: &[u64], tolerance: Tolerance) -> bool {
     matches!(
         compare_values(ty, ComparisonKind::Plain, (a, b), tolerance),

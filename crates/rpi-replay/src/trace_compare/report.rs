@@ -2,70 +2,73 @@
 
 use serde::Serialize;
 
-/// Report of a trace replay.
+/// Report on the replay of a net against a trace: counts of agreeing and deviating values, and the first deviation.
 #[derive(Clone, PartialEq, Debug, Default, Serialize)]
 pub struct CompareReport {
-    /// Name of the net.
+    /// Name of the net that was replayed.
     pub net: String,
     /// Number of replayed cycles.
     pub cycles: u64,
-    /// Number of compared values and absences.
+    /// Numbers of compared values and absences.
     pub compared: ComparedCounts,
     /// Number of deviating values that no documented difference explains.
     pub differing: u64,
-    /// Number of input values taken from the trace instead of being computed.
+    /// Number of values that were taken from the trace as inputs instead of being computed.
     pub taken: u64,
-    /// Number of values not compared because they depend on a value that the trace does not have in that cycle.
+    /// Number of recorded values that were not compared, because the computed ones depend on values that the trace does
+    /// not have in that cycle.
     pub unknown: u64,
-    /// Number of angles taken from the trace because they were equal in another notation (near gimbal lock or a full
-    /// turn apart).
+    /// Number of computed angles that were replaced by the recorded ones because they were equal in another notation
+    /// (near gimbal lock or a full turn apart).
     pub rewritten: u64,
-    /// Values taken from the trace because a documented difference explains them.
+    /// Documented differences to the reference system (the control core of the Robotics API), with the number of
+    /// deviating values that each explains.
     pub explained: Vec<ExplainedDifference>,
-    /// Largest deviation within the tolerance.
+    /// Largest deviation within the tolerance; `None` if all values are equal.
     pub worst: Option<LargestDeviation>,
-    /// First deviating value and the path that led to it.
+    /// First deviating value that is not explained, and the path of ports that led to it; `None` if there is none.
     pub first: Option<Divergence>,
-    /// All ports with deviating values, in order of their first deviation.
+    /// All ports with unexplained deviating values, in order of their first deviation.
     pub ports: Vec<PortDeviations>,
-    /// Ports of the trace that do not exist in the net.
+    /// Names of the trace's ports that do not exist in the net.
     pub unmatched: Vec<String>,
-    /// Offset that was added to the numbers in the generated names of the trace; usually 0.
+    /// Offset that was added to the numbers in the generated names of the trace so that they match the net; usually 0.
     pub renumbered: i64,
-    /// Fault that ended the net, if any.
+    /// Fault that ended the net, so that later cycles are not compared; `None` if there was none.
     pub fault: Option<ReplayFault>,
 }
 
-/// Number of compared values, present and absent.
+/// Numbers of compared values, present and absent.
 #[derive(Clone, Copy, PartialEq, Eq, Debug, Default, Serialize)]
 pub struct ComparedCounts {
-    /// Number of values that were present in the trace.
+    /// Number of compared values that were present in the trace.
     pub values: u64,
-    /// Number of absences in the trace.
+    /// Number of compared values that were absent in the trace.
     pub absences: u64,
 }
 
-/// A documented difference between the systems and the values that it explains.
+/// A documented difference to the reference system (the control core of the Robotics API), and the number of deviating
+/// values that it explains.
 #[derive(Clone, PartialEq, Eq, Debug, Serialize)]
 pub struct ExplainedDifference {
-    /// Name of the documented difference.
+    /// Name of the documented difference, such as `sine-is-cosine`.
     pub entry: &'static str,
-    /// Cause of the difference.
+    /// Cause of the difference: what the reference system computes.
     pub why: &'static str,
-    /// Number of explained values.
+    /// Number of deviating values that the difference explains.
     pub values: u64,
-    /// Ports with explained values, in order of their first one.
+    /// Names of the ports with explained values, in order of their first one.
     pub ports: Vec<String>,
 }
 
-/// The largest deviation within the tolerance.
+/// The largest deviation of a computed value from the recorded one that is within the tolerance.
 #[derive(Clone, PartialEq, Debug, Serialize)]
 pub struct LargestDeviation {
     /// Cycle of the replay with this deviation, counted from 1.
     pub cycle: u64,
-    /// Path of the port.
+    /// Full name of the port, `path.port`.
     pub port: String,
-    /// Absolute difference of the computed and the recorded value, in the unit of the port.
+    /// Difference of the computed and the recorded value: absolute for values up to 1, relative for larger ones.
     pub deviation: f64,
     /// Value that the replay computed, as a literal.
     pub computed: String,
@@ -73,7 +76,7 @@ pub struct LargestDeviation {
     pub recorded: String,
 }
 
-/// First deviating value of a replay.
+/// First deviating value of a replay, with the path of ports that led to it.
 #[derive(Clone, PartialEq, Debug, Serialize)]
 pub struct Divergence {
     /// Cycle of the first deviating value, counted from 1.
@@ -86,34 +89,36 @@ pub struct Divergence {
 /// Port on the path of deviating ports that leads to a divergence, with its values.
 #[derive(Clone, PartialEq, Debug, Serialize)]
 pub struct DivergenceLink {
-    /// Path of the port.
+    /// Full name of the port, `path.port`.
     pub port: String,
-    /// Registered name of the primitive.
+    /// Name of the primitive of the port's node; empty for a port that only shows the value of another port.
     pub primitive: String,
-    /// Computed value; `null` if absent.
+    /// Value that the net computed, as a literal; `null` if absent.
     pub computed: String,
-    /// Recorded value, if any.
+    /// Value in the trace, as a literal; `None` if the trace has none.
     pub recorded: Option<String>,
-    /// Difference of the computed and the recorded value, in the unit of the port; `None` if one of them is absent.
+    /// Difference of the computed and the recorded value: absolute for values up to 1, relative for larger ones. `None`
+    /// if one of them is missing.
     pub deviation: Option<f64>,
-    /// First cycle in which the port deviated by any amount.
+    /// First cycle in which the port deviated from the trace by any amount, counted from 1; `None` if it did not.
     pub since: Option<u64>,
-    /// Inputs of the node: in-port, source, value.
+    /// Inputs of the port's node: name of the in-port, name of its source, and value as text.
     pub inputs: Vec<(String, String, String)>,
 }
 
 /// Deviations of one port from the trace: number, first cycle and largest one.
 #[derive(Clone, PartialEq, Debug, Serialize)]
 pub struct PortDeviations {
-    /// Path of the port.
+    /// Full name of the port, `path.port`.
     pub port: String,
-    /// Registered name of the primitive.
+    /// Name of the primitive of the port's node; empty for a port that only shows the value of another port.
     pub primitive: String,
-    /// Number of deviating values.
+    /// Number of values at the port that deviate without an explanation.
     pub values: u64,
-    /// First cycle with a deviation.
+    /// First cycle with a deviation, counted from 1.
     pub first_cycle: u64,
-    /// Largest difference from the recorded value, in the unit of the port; `None` if only the presence differed.
+    /// Largest difference from the recorded value: absolute for values up to 1, relative for larger ones. `None` if
+    /// only the presence differed.
     pub worst: Option<f64>,
 }
 
@@ -122,16 +127,17 @@ pub struct PortDeviations {
 pub struct ReplayFault {
     /// Cycle of the fault, counted from 1.
     pub cycle: u64,
-    /// Name of the fault code.
+    /// Name of the kind of fault, such as `DivisionByZero`.
     pub code: String,
-    /// Path of the node that raised the fault.
+    /// Path of the node that raised the fault; empty if it is unknown.
     pub place: String,
 }
 
 impl CompareReport {
-    /// Returns true if no value deviates and the net has all ports of the trace.
+    /// Returns true if no value deviates without an explanation, the net has all ports of the trace, and no fault ended
+    /// the comparison before the end of the trace.
     #[must_use]
     pub fn agrees(&self) -> bool {
-        self.differing == 0 && self.unmatched.is_empty()
+        self.differing == 0 && self.unmatched.is_empty() && self.fault.is_none()
     }
 }

@@ -4,16 +4,17 @@ use rpi_image::Type;
 
 use rpi_record::trace::{Trace, TracePortId};
 
-/// Recorded value of a port in a cycle.
+/// Value of a port in a cycle as the trace has it.
 #[derive(Clone, PartialEq, Debug)]
 pub(super) enum RecordedValue {
-    /// The port was not recorded in this cycle.
+    /// The trace does not say whether the port had a value in the cycle.
     Unknown,
-    /// The port was absent.
+    /// The port was absent in the cycle.
     Absent,
-    /// The port was present with a value that the reference system records without its content.
+    /// The port was present, but the recorder of the reference system (the control core of the Robotics API) does not
+    /// write values of its type.
     Unprintable,
-    /// The port was present with a value that does not have the type of the port.
+    /// The port was present with a value that does not have the type of the port; the text is the recorded value.
     WrongType(String),
     /// The port had this value, as memory words.
     Value(Vec<u64>),
@@ -38,7 +39,7 @@ impl<'t> CycleView<'t> {
         }
     }
 
-    /// Moves to the cycle with this number.
+    /// Moves the view to the cycle of the trace with this number, from 1.
     pub(super) fn set_cycle(&mut self, number: u64) {
         self.number = number;
         self.texts.fill(None);
@@ -49,7 +50,7 @@ impl<'t> CycleView<'t> {
         }
     }
 
-    /// Returns the recorded text of a port in the previous cycle.
+    /// Returns the recorded text of the value of a port in the previous cycle; `None` if there is none.
     pub(super) fn previous_text(&self, port: TracePortId) -> Option<&'t str> {
         let cycle = self.trace.cycle_at(self.number.checked_sub(1)?)?;
         let row = cycle.rows.iter().find(|row| row.port == port)?;
@@ -63,7 +64,7 @@ impl<'t> CycleView<'t> {
         parse_recorded(row, covered, ty)
     }
 
-    /// Returns the recorded value of an in-port. Only traces of selected ports have in-ports.
+    /// Returns the recorded value of an in-port of the net. Only traces of selected ports contain in-ports.
     pub(super) fn in_port(&self, port: TracePortId, ty: Type) -> RecordedValue {
         let covered = self.trace.is_recorded(port, self.number);
         parse_recorded(self.texts[port.0 as usize], covered, ty)
@@ -84,12 +85,13 @@ fn parse_recorded(row: Option<&str>, covered: bool, ty: Type) -> RecordedValue {
     }
 }
 
-/// Returns true for objects that the recorder of the reference system writes as class name and identity (matrices).
+/// Returns true for a text by which the recorder of the reference system (the control core of the Robotics API)
+/// represents an object such as a matrix: its class name and identity.
 fn is_opaque(text: &str) -> bool {
     text.contains('@')
 }
 
-/// Returns for each port of the trace whether its value changed.
+/// Returns for each port of the trace, by its index, whether its value changed.
 pub(super) fn varying_ports(trace: &Trace) -> Vec<bool> {
     let mut first: Vec<Option<&str>> = vec![None; trace.ports().count()];
     let mut varies = vec![false; first.len()];

@@ -18,40 +18,40 @@ use super::queue::{HostQueues, InputValue, Options, Released, Request};
 use super::request_log::{RequestLog, RequestRecord};
 use super::subscription::{self, Subscription};
 
-/// Information about a loaded command, kept by the host from its requests and events.
+/// Information about a loaded command on the host side, derived from its requests and the received events.
 #[derive(Clone, Debug)]
 pub struct CommandInfo {
-    /// Image that the command runs.
+    /// Compiled program of the command.
     pub image: Arc<Image>,
-    /// State according to the latest event.
+    /// Life-cycle state of the command according to the latest event.
     pub state: CommandState,
-    /// How the command ended, if it has ended.
+    /// Cause and circumstances of the command's end; `None` if the command has not ended.
     pub ending: Option<Ending>,
-    /// Tick of the first cycle, if the command was started.
+    /// Number of the tick of the command's first cycle; `None` if the command was not started.
     pub first_tick: Option<u64>,
 }
 
-/// A loaded command that was passed to the core with a snapshot of its exports.
+/// A loaded command that was sent to the core, with the snapshot in which the core stores its exports.
 #[derive(Debug)]
 pub struct AdoptedCommand {
-    /// Identifier of the command.
+    /// Identifier of the command in the core.
     pub id: CommandId,
-    /// Ticket of the insertion. Its answer means that the command is ready.
+    /// Ticket of the request that inserts the command. Its answer means that the command is ready.
     pub ticket: Ticket,
     /// Snapshot in which the core stores the exports of the command after every cycle.
     pub snapshot: Arc<ExportSnapshot>,
 }
 
-/// Host side of a control core, owned by one thread. No method makes the cycle wait.
+/// Host side of a control core, owned by one thread. No method makes the cycle wait. `T` is the type of a device.
 pub struct Control<T = rpi_sim::NamedDevice> {
     queues: HostQueues<T>,
     names: Box<dyn DeviceBank + Send>,
     ids: IdAllocator,
     commands: BTreeMap<CommandId, CommandInfo>,
-    /// Commands that the cycle has freed. They are reported once all earlier events have been reported.
+    /// Commands that the core has freed. They are reported once all earlier events have been reported.
     freed: Vec<CommandId>,
     tickets: u64,
-    /// Number of rules that the core holds.
+    /// Number of rules that the core has at present, including those whose requests are not answered yet.
     rules: usize,
     max_rules: usize,
     continuity: Continuity,
@@ -86,7 +86,7 @@ impl<T> Control<T> {
         }
     }
 
-    /// Registers a callback that receives every request from now on.
+    /// Registers a callback that receives every request sent to the core from now on, for a recording.
     pub fn set_request_log(&mut self, request_log: RequestLog) {
         self.request_log = Some(request_log);
     }
@@ -104,7 +104,7 @@ impl<T> Control<T> {
         self.adopt(Box::new(command))
     }
 
-    /// Takes a command that was loaded elsewhere, for example on another thread, against identical devices.
+    /// Sends a command to the core that was loaded elsewhere, for example on another thread, with equal devices.
     ///
     /// # Errors
     /// Returns an error if the command table or the queue is full, or if the command exceeds the time budget.
@@ -112,7 +112,8 @@ impl<T> Control<T> {
         self.insert_command(command, None).map(|(id, _)| id)
     }
 
-    /// Like [`Control::adopt`], with a snapshot to which the command's exports are written in every cycle.
+    /// Sends a command to the core that was loaded elsewhere, as [`Control::adopt`] does. The core writes the command's
+    /// exports to the returned snapshot after every cycle.
     ///
     /// # Errors
     /// Returns an error if the command table or the queue is full, or if the command exceeds the time budget.
@@ -149,7 +150,7 @@ impl<T> Control<T> {
         Ok((id, ticket))
     }
 
-    /// Starts a command. Its first cycle is in the tick that takes the request.
+    /// Requests the start of a command. Its first cycle is in the tick in which the core carries out the request.
     ///
     /// # Errors
     /// Returns an error if the command is unknown, the queue is full, or the time budget left by the other commands is
@@ -164,7 +165,7 @@ impl<T> Control<T> {
     /// Requests a command to end: its input `cancel` becomes true.
     ///
     /// # Errors
-    /// As for [`Control::start`].
+    /// Returns an error if the command is unknown or there are too many pending requests.
     pub fn cancel(&mut self, id: CommandId) -> Result<Ticket, RequestError> {
         self.send_command_request(id, Request::Cancel(id))
     }
@@ -172,28 +173,28 @@ impl<T> Control<T> {
     /// Ends a command immediately. Its devices brake within their own limits.
     ///
     /// # Errors
-    /// As for [`Control::start`].
+    /// Returns an error if the command is unknown or there are too many pending requests.
     pub fn abort(&mut self, id: CommandId, why: AbortReason) -> Result<Ticket, RequestError> {
         self.send_command_request(id, Request::Abort(id, why))
     }
 
-    /// Takes a command off the schedule. The command is then ready again.
+    /// Removes a command from all rules that would start it. The command is then ready again.
     ///
     /// # Errors
-    /// As for [`Control::start`].
+    /// Returns an error if the command is unknown or there are too many pending requests.
     pub fn unschedule(&mut self, id: CommandId) -> Result<Ticket, RequestError> {
         self.send_command_request(id, Request::Unschedule(id))
     }
 
-    /// Unloads a command that does not run.
+    /// Removes a command that does not run from the core and frees it.
     ///
     /// # Errors
-    /// As for [`Control::start`].
+    /// Returns an error if the command is unknown or there are too many pending requests.
     pub fn unload(&mut self, id: CommandId) -> Result<Ticket, RequestError> {
         self.send_command_request(id, Request::Unload(id))
     }
 
-    /// Adds a rule; see [`Rule`] and [`Control::fact`].
+    /// Adds a rule, which starts or ends commands on a condition; see [`Rule`] and [`Control::fact`].
     ///
     /// # Errors
     /// Returns an error if there are too many rules or pending requests, or if the started commands exceed the time
@@ -210,7 +211,7 @@ impl<T> Control<T> {
         Ok((id, ticket))
     }
 
-    /// Removes a rule.
+    /// Removes a rule, so that it cannot fire.
     ///
     /// # Errors
     /// Returns an error if there are too many pending requests.
@@ -218,7 +219,7 @@ impl<T> Control<T> {
         self.send_request(Request::Withdraw(rule))
     }
 
-    /// Sets inputs of any commands between the same two cycles.
+    /// Sets inputs of commands, all of them between the same two cycles.
     ///
     /// # Errors
     /// Returns an error if a command is unknown or a value has the wrong size. Nothing is set then.
@@ -236,8 +237,8 @@ impl<T> Control<T> {
         self.send_request(Request::Set(settings.into()))
     }
 
-    /// Subscribes to exported flows of a command (by index). `every` is the sampling period in cycles. The subscription
-    /// replaces an earlier one of the same command.
+    /// Subscribes to exported flows of a command, given by their indices in the image. Their values are sampled every
+    /// `every` cycles. The subscription replaces an earlier one of the same command.
     ///
     /// # Errors
     /// Returns an error if the command is unknown or there are too many pending requests. Indices without an export are
@@ -256,9 +257,9 @@ impl<T> Control<T> {
         ))))
     }
 
-    /// Inserts a device at an index, or removes it if `part` is `None`.
+    /// Inserts the device `part` at the index `place`, or removes the device there if `part` is `None`.
     ///
-    /// Commands whose ports were resolved against the previous device must have been unloaded.
+    /// Commands that use the previous device must have been unloaded.
     ///
     /// # Errors
     /// Returns an error if there are too many pending requests.
@@ -270,7 +271,7 @@ impl<T> Control<T> {
         self.send_request(Request::Device(place, part))
     }
 
-    /// Sets the override and the pause of all motions. Commands see them from their next cycle on.
+    /// Sets the speed override (0 to 1) and the pause of all motions. Commands see them from their next cycle on.
     ///
     /// # Errors
     /// Returns an error if there are too many pending requests.
@@ -278,7 +279,7 @@ impl<T> Control<T> {
         self.send_request(Request::SetControls(controls))
     }
 
-    /// Ends all commands, drops all rules and brakes all devices.
+    /// Aborts all commands, drops all rules and brakes all devices.
     ///
     /// # Errors
     /// Returns an error if there are too many pending requests.
@@ -286,7 +287,7 @@ impl<T> Control<T> {
         self.send_request(Request::EmergencyStop)
     }
 
-    /// Returns the next event, and frees objects released by the cycle.
+    /// Returns the next event of the core; `None` if there is none now. Frees objects that the core no longer uses.
     pub fn poll(&mut self) -> Option<Event> {
         if let Some(event) = self.next_event() {
             return Some(event);
@@ -310,8 +311,8 @@ impl<T> Control<T> {
         Some(event)
     }
 
-    /// Passes all samples received so far to `take`: command, export index, tick, value. The value is `None` if the
-    /// flow is absent.
+    /// Passes all samples received so far to `take`: command, export index, tick number, and memory words of the value.
+    /// The value is `None` if the flow is absent.
     pub fn samples(&mut self, mut take: impl FnMut(CommandId, u32, u64, Option<&[u64]>)) {
         let commands = &self.commands;
         subscription::drain_samples(
@@ -325,8 +326,8 @@ impl<T> Control<T> {
         );
     }
 
-    /// Returns the number of samples that were lost because they were not taken in time. Only subscriptions that have
-    /// ended are counted.
+    /// Returns the number of samples that were lost because the host did not read them in time. Subscriptions count
+    /// only after they have ended.
     #[must_use]
     pub fn samples_lost(&self) -> u64 {
         self.samples_lost
@@ -343,7 +344,8 @@ impl<T> Control<T> {
         self.commands.iter().map(|(id, info)| (*id, info))
     }
 
-    /// Returns the fact by which a condition refers to an exported Boolean or a named result of a command.
+    /// Returns the fact by which a rule condition refers to the Boolean export or the named result `key` of a command;
+    /// `None` if the command has neither.
     #[must_use]
     pub fn fact(&self, id: CommandId, key: &str) -> Option<Fact> {
         let image = &self.get(id)?.image;
@@ -387,7 +389,7 @@ impl<T> Control<T> {
         Ok(ticket)
     }
 
-    /// Returns the number of requests that can still be sent.
+    /// Returns the number of further requests that the request queue has room for.
     #[must_use]
     pub fn free_requests(&self) -> usize {
         self.queues.requests.slots()
@@ -420,7 +422,7 @@ impl<T> Control<T> {
         }
     }
 
-    /// Updates the information about a command from an event of the core.
+    /// Updates the state, first tick and ending of a command from an event of the core.
     fn update_info(&mut self, event: &Event) {
         let Event::Notice(notice) = event else {
             return;

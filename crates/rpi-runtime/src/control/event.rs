@@ -14,26 +14,26 @@ pub struct Ticket(pub u64);
 pub enum Event {
     /// A request was carried out or refused.
     Answer {
-        /// Ticket of the request.
+        /// Ticket that the host received when it made the request.
         ticket: Ticket,
-        /// First tick affected by the request.
+        /// Number of the first tick in which the request has an effect.
         tick: u64,
         /// Reason of the refusal, if any. A refused request has no effect.
         refused: Option<CommandError>,
     },
-    /// A command or rule has changed its state.
+    /// Event of a command or a rule, such as a start, an end, or a discontinuity at a takeover.
     Notice(Notice),
     /// A command was freed. Its identifier is no longer valid.
     Freed(CommandId),
-    /// The state of a device has changed.
+    /// The error code of a device has changed, or the device has started or stopped moving.
     Device {
-        /// Index of the device in the cell.
+        /// Index of the device in the device bank, from 0.
         device: usize,
         /// Error code of the device; 0 for none.
         code: i64,
         /// Whether the device moves.
         moving: bool,
-        /// Tick after which the device has this state.
+        /// Number of the tick at whose end the device reported this state.
         tick: u64,
     },
 }
@@ -43,21 +43,22 @@ pub enum Event {
 pub enum RequestError {
     /// The command does not exist, or it is being unloaded.
     UnknownCommand,
-    /// The command table is full.
+    /// The control core already has the maximum number of commands.
     TableFull,
-    /// Too many requests or rules are pending. The caller must wait for answers.
+    /// The queue has no room for the request, or the core has the maximum number of rules. The caller must wait for
+    /// answers.
     QueueFull,
-    /// The memory quota of the requester is exhausted.
+    /// The memory quota of the client or task that made the request is exhausted.
     OutOfMemoryQuota,
-    /// The command exceeds the time budget of a tick.
+    /// The commands that could run in the same tick would exceed the time budget of a tick.
     BudgetExceeded(BudgetExceededError),
-    /// The command cannot run in this cell, for these reasons.
+    /// The command cannot run in this cell; the list has all reasons.
     Load(Vec<LoadError>),
-    /// The value has the wrong size for its input.
+    /// The value for an input of a command has the wrong number of memory words.
     ValueSize {
-        /// Command with the input.
+        /// Id of the command whose input was to be set.
         command: CommandId,
-        /// Index of the input.
+        /// Index of the input in the image, from 0.
         input: usize,
     },
 }

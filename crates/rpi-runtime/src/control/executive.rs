@@ -11,29 +11,31 @@ use super::queue::{CycleQueues, Options, Released, Request};
 use super::subscription::Subscription;
 use crate::realtime::CommandTimer;
 
-/// A control core with the devices that it moves. One thread calls its ticks.
+/// Cycle side of a control core, with the devices that it moves. One thread calls its ticks.
 pub struct Executive<P: Plant> {
     core: Core,
     plant: P,
     queues: CycleQueues<P::Device>,
-    /// Subscriptions, indexed by command slot.
+    /// Subscription of each command to its exports, indexed by command slot; `None` without a subscription.
     subscriptions: Box<[Option<Box<Subscription>>]>,
-    /// Snapshots of exports, indexed by command slot.
+    /// Snapshot of each command's exports, indexed by command slot.
     snapshots: Snapshots,
-    /// Last reported error code and motion state of each device.
+    /// For each device, by index, the error code and whether the device moves, as last reported to the host.
     reported: Vec<(i64, bool)>,
     per_tick: usize,
     stopwatch: CommandTimer,
 }
 
-/// For each command slot, the owner of its snapshot and the snapshot.
+/// For each command slot, the id of the command and the snapshot to which its exports are written after each cycle;
+/// `None` if the command has no snapshot.
 type Snapshots = Box<[Option<(CommandId, Arc<ExportSnapshot>)>]>;
 
 /// Effort per tick after which no further request is taken, in units of about ten nanoseconds. At least one request of
 /// any size is taken per tick.
 const MAX_EFFORT_PER_TICK: usize = 8192;
 
-/// Maximum number of devices whose state changes are reported.
+/// Maximum number of devices whose state changes are reported to the host; devices with higher indices are not
+/// reported.
 const MAX_DEVICES: usize = 256;
 
 impl<P: Plant> Executive<P> {
@@ -56,7 +58,7 @@ impl<P: Plant> Executive<P> {
         self.core.now()
     }
 
-    /// Executes one tick: requests, cycles, devices, events.
+    /// Executes one tick: carries out requests, runs the cycles of the commands, advances the devices and sends events.
     ///
     /// `wall_ns` is the wall clock in nanoseconds since the Unix epoch. `watch` observes every command at the end of
     /// its cycle.
@@ -82,7 +84,7 @@ impl<P: Plant> Executive<P> {
         self.send_events();
     }
 
-    /// Returns the devices, for access between ticks.
+    /// Returns the device bank, for access between ticks.
     pub fn plant(&mut self) -> &mut P {
         &mut self.plant
     }
@@ -96,7 +98,7 @@ impl<P: Plant> Executive<P> {
     /// Handles a tick that ended `late_ns` after the next one was due and took `excess_ns` longer than a period.
     ///
     /// The overrun is attributed to the slowest command, unless the tick would have been too long without it. The
-    /// overrun policy of that command may end it. Returns true if all commands must be ended.
+    /// overrun policy of that command may end it. Returns true if all commands must be aborted.
     pub fn handle_overrun(&mut self, (late_ns, excess_ns): (u64, u64)) -> bool {
         let Some((id, took_ns)) = self.overrun_cause(excess_ns) else {
             return false;
@@ -114,8 +116,9 @@ impl<P: Plant> Executive<P> {
         self.attribute_overrun(&late)
     }
 
-    /// Attributes an overrun to a command. The overrun was measured by [`Executive::handle_overrun`] or is replayed from a
-    /// tick log. Returns true if the overrun policy of the command requires all commands to be ended.
+    /// Attributes an overrun to a command, as `late` says. The overrun was measured by [`Executive::handle_overrun`] or
+    /// is replayed from a tick log. Returns true if the overrun policy of the command requires all commands to be
+    /// aborted.
     pub fn attribute_overrun(&mut self, late: &AttributedOverrun) -> bool {
         let (id, times) = (late.command, (late.took_ns, late.late_ns));
         let stop = self.core.report_overrun(id, times, &mut self.plant);
@@ -129,7 +132,8 @@ impl<P: Plant> Executive<P> {
         stop
     }
 
-    /// Returns the command to which an overrun is attributed, with its time in nanoseconds.
+    /// Returns the id of the command to which an overrun is attributed, with the command's time in nanoseconds.
+    /// `excess_ns` is the time by which the tick took longer than its period.
     ///
     /// The command is the slowest of the latest tick. The result is `None` if nothing was measured, or if the tick
     /// would have exceeded its period even without that command.
@@ -139,7 +143,7 @@ impl<P: Plant> Executive<P> {
         longest.filter(|(_, took)| excess_ns > 0 && *took >= excess_ns)
     }
 
-    /// Ends all commands between two ticks for the reason `why`, and drops all rules.
+    /// Aborts all commands between two ticks for the reason `why`, and drops all rules.
     pub fn halt(&mut self, why: rpi_core::AbortReason) {
         self.core.abort_all(why, &mut self.plant);
         self.send_events();
@@ -244,7 +248,7 @@ impl<P: Plant> Executive<P> {
         self.queues.release(Released::Command(id, command));
     }
 
-    /// Sets all inputs, or none if a command is unknown.
+    /// Sets all given inputs of commands, or none of them if one of the commands is unknown.
     fn set(&mut self, settings: Box<[super::InputValue]>) -> Result<(), CommandError> {
         let known = settings
             .iter()
@@ -303,8 +307,8 @@ impl<P: Plant> Executive<P> {
         });
     }
 
-    /// Sends notices to the host. Notices that do not fit into the queue stay in the log of the core and are sent
-    /// later.
+    /// Sends the notices of the core (events of commands and rules) to the host. Notices for which the queue has no
+    /// room stay in the core and are sent later.
     fn send_notices(&mut self) {
         while !self.queues.events.is_full() {
             let Some(notice) = self.core.next_notice() else {

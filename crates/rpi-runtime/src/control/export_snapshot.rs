@@ -8,8 +8,8 @@ use std::sync::atomic::{AtomicU64, Ordering, fence};
 use rpi_core::{Command, Overrun, OverrunStats};
 use rpi_image::image::Export;
 
-/// Maximum number of attempts to read a consistent snapshot. A write takes less than a microsecond and happens once per
-/// cycle.
+/// Maximum number of attempts to read a snapshot that no concurrent write changes. A write takes less than a
+/// microsecond and happens once per cycle.
 const MAX_READ_ATTEMPTS: usize = 1000;
 
 /// Exports of one command after its latest cycle. Readers never delay the cycle. A slow reader skips cycles but always
@@ -18,9 +18,9 @@ const MAX_READ_ATTEMPTS: usize = 1000;
 pub struct ExportSnapshot {
     /// Version counter of the sequence lock; odd during a write.
     version: AtomicU64,
-    /// For each export, one word for its presence, followed by the words of its value.
+    /// For each export, one 64-bit word for its presence (0 if absent), followed by the words of its value.
     cells: Box<[AtomicU64]>,
-    /// Statistics of overruns.
+    /// Number of overruns of the command and the worst one.
     overruns: OverrunSnapshot,
 }
 
@@ -28,12 +28,13 @@ pub struct ExportSnapshot {
 #[derive(Debug, Default)]
 struct OverrunSnapshot {
     version: AtomicU64,
-    /// Number of overruns, followed by tick, duration, lateness and fragment of the worst one.
+    /// Number of overruns, followed by the tick number, duration (ns), lateness (ns) and fragment index of the worst
+    /// one.
     words: [AtomicU64; 5],
 }
 
 impl ExportSnapshot {
-    /// Creates a snapshot for these exports. All exports are absent.
+    /// Creates a snapshot for commands with these exports. All exports are absent at first.
     pub(super) fn new(exports: &[Export]) -> ExportSnapshot {
         let cells: usize = exports.iter().map(export_words).sum();
         ExportSnapshot {
@@ -62,7 +63,7 @@ impl ExportSnapshot {
         self.version.store(version + 2, Ordering::Release);
     }
 
-    /// Writes the overrun statistics of the command.
+    /// Writes the number of overruns of the command and the worst one. Only the cycle thread calls this.
     pub(super) fn write_overruns(&self, overruns: &OverrunStats) {
         let Some(worst) = overruns.worst else {
             return;
@@ -77,7 +78,7 @@ impl ExportSnapshot {
         self.overruns.version.store(version + 2, Ordering::Release);
     }
 
-    /// Returns the number of overruns and the worst one; `None` if there was none.
+    /// Returns the number of overruns of the command and the worst one; `None` if there was none.
     #[must_use]
     pub fn overruns(&self) -> Option<(u64, Overrun)> {
         let words = read(&self.overruns.version, &self.overruns.words)?;
@@ -94,13 +95,14 @@ impl ExportSnapshot {
         Some((count, worst))
     }
 
-    /// Returns the number of cycles written so far.
+    /// Returns the number of cycles of the command whose exports were written so far.
     #[must_use]
     pub fn cycles(&self) -> u64 {
         self.version.load(Ordering::Acquire) / 2
     }
 
-    /// Returns all words of the snapshot as of one cycle; `None` before the first cycle.
+    /// Returns all words of the snapshot, read so that they belong to the same cycle. Returns `None` before the first
+    /// cycle, or if every attempt met a concurrent write.
     #[must_use]
     pub fn read_consistent(&self) -> Option<Vec<u64>> {
         read(&self.version, &self.cells)
@@ -121,7 +123,7 @@ impl ExportSnapshot {
     }
 }
 
-/// Begins a write under the sequence lock. Returns the version before it.
+/// Begins a write under the sequence lock: makes the version odd. Returns the version before the write.
 fn begin_write(version: &AtomicU64) -> u64 {
     // A sequence lock: the version is odd during a write. See H. Boehm, "Can seqlocks get along with programming
     // language memory models?", MSPC 2012. The fence keeps the writes of the words behind that of the odd version.
@@ -131,7 +133,8 @@ fn begin_write(version: &AtomicU64) -> u64 {
     before
 }
 
-/// Reads all words as of one write; `None` before the first write, or if every attempt met a concurrent write.
+/// Reads all words so that they belong to the same write; `None` before the first write, or if every attempt met a
+/// concurrent write.
 fn read(version: &AtomicU64, cells: &[AtomicU64]) -> Option<Vec<u64>> {
     for _ in 0..MAX_READ_ATTEMPTS {
         let before = version.load(Ordering::Acquire);

@@ -83,7 +83,7 @@ pub use subscription::Subscription;
 
 use rpi_device::DeviceBank;
 
-/// Opens a control core that moves the devices of `plant`.
+/// Opens a control core that moves the devices of `plant`. Returns its host side and its cycle side.
 ///
 /// `names` must resolve port names in the same way as `plant`. It is only used for name resolution; its devices never
 /// move.
@@ -100,7 +100,8 @@ pub fn open<P: Plant>(
     )
 }
 
-/// Opens a control core for replays: the caller chooses the command numbers, and there is no admission control.
+/// Opens a control core that repeats recorded requests. The caller chooses the numbers of commands, rules and tickets,
+/// and there is no admission control. Returns its host side and its cycle side.
 #[must_use]
 pub fn open_for_replay<P: Plant>(
     plant: P,

@@ -23,13 +23,14 @@ pub struct Options {
     pub requests: usize,
     /// Maximum number of requests carried out in one tick. The limit keeps a burst of requests from prolonging a tick.
     pub requests_per_tick: usize,
-    /// Policy for a takeover with a discontinuity.
+    /// Policy for a takeover in which the first set-points do not continue those of the predecessor.
     pub continuity: Continuity,
-    /// Policy for a command that causes overruns.
+    /// Policy for overruns (ticks that end after the next one was due) of commands that are loaded without a policy of
+    /// their own.
     pub on_overrun: CommandOverrunPolicy,
-    /// Whether the time of each command is measured. Needed in real time.
+    /// Whether the time of each command in a tick is measured. In real time, overruns are attributed to commands by it.
     pub measure_commands: bool,
-    /// Time budget of all commands in a tick; `None` disables admission control.
+    /// Time budget of all commands together in a tick; `None` disables admission control.
     pub budget: Option<Budget>,
 }
 
@@ -58,21 +59,21 @@ impl Options {
 /// A value for an input of a command.
 #[derive(Clone, PartialEq, Eq, Debug)]
 pub struct InputValue {
-    /// Command with the input.
+    /// Id of the command whose input is set.
     pub command: CommandId,
-    /// Index of the input in the image.
+    /// Index of the input in the image of the command, from 0.
     pub input: usize,
-    /// Memory words of the value.
+    /// Memory words of the value, as many as the type of the input has.
     pub value: Box<[u64]>,
 }
 
-/// A request from the host to the thread of the cycle. `T` is a device that can be inserted.
+/// Request from the host to the cycle. `T` is the type of a device that can be inserted.
 pub enum Request<T> {
-    /// Inserts a loaded command, with the snapshot for its exports, if any.
+    /// Inserts a loaded command under this id, with the snapshot for its exports if there is one.
     Insert(CommandId, Box<Command>, Option<Arc<ExportSnapshot>>),
-    /// Request to start a loaded command.
+    /// Starts the loaded command with this id.
     Start(CommandId),
-    /// Takes a command off the schedule: removes it from all rules that would start it.
+    /// Removes a command from all rules that would start it.
     Unschedule(CommandId),
     /// Cancels a command: its input `cancel` becomes true.
     Cancel(CommandId),
@@ -80,30 +81,32 @@ pub enum Request<T> {
     Abort(CommandId, AbortReason),
     /// Removes a command that does not run from the core.
     Unload(CommandId),
-    /// Adds a rule.
+    /// Adds a rule, which stops, cancels and starts commands when its condition holds.
     Schedule(RuleId, Box<Rule>),
-    /// Removes a rule.
+    /// Removes a rule that has not fired.
     Withdraw(RuleId),
-    /// Sets inputs of commands between the same two cycles.
+    /// Sets inputs of commands, all of them between the same two cycles.
     Set(Box<[InputValue]>),
-    /// Subscribes to exported flows of a command.
+    /// Adds a subscription to exported flows of a command.
     Subscribe(Box<Subscription>),
     /// Replaces the device with this index; `None` removes it.
     Device(usize, Option<T>),
-    /// Sets the override and the pause of all motions.
+    /// Sets the speed override (a factor from 0 to 1) and the pause of all motions.
     SetControls(MotionControls),
-    /// Stops all commands and all devices.
+    /// Aborts all commands, drops all rules and stops all devices.
     EmergencyStop,
 }
 
-/// Minimum effort of carrying out a request, in units of about ten nanoseconds.
+/// Minimum effort that is counted for a request, in units of about ten nanoseconds. The effort of requests per tick is
+/// limited.
 const MIN_EFFORT: usize = 256;
-/// Additional effort of a request for each word of each rule, in units of about ten nanoseconds.
+/// Additional effort that is counted for a request for each memory word of each rule, in units of about ten
+/// nanoseconds.
 const EFFORT_PER_RULE_WORD: usize = 8;
 
 impl<T> Request<T> {
-    /// Returns the estimated effort to carry out the request. `rules` is the total weight of all rules: after most
-    /// requests the core re-evaluates which rules can still fire.
+    /// Returns the estimated effort to carry out the request, in units of about ten nanoseconds. `rules` is the total
+    /// number of memory words of all rules: after most requests the core re-evaluates which rules can still fire.
     pub(super) fn effort(&self, rules: usize) -> usize {
         MIN_EFFORT
             + match self {
@@ -113,7 +116,7 @@ impl<T> Request<T> {
     }
 }
 
-/// An object that the cycle no longer uses and the host must free, because the cycle must not.
+/// Object that the cycle no longer uses. The host frees it, because freeing memory in the cycle could block.
 pub(super) enum Released<T> {
     Command(CommandId, Box<Command>),
     Rule(Box<Rule>),
@@ -123,7 +126,7 @@ pub(super) enum Released<T> {
     Device(T),
 }
 
-/// Ends of the queues between host and cycle that the cycle uses.
+/// Queue ends that the cycle uses: it receives requests, and sends events, samples and released objects.
 pub(super) struct CycleQueues<T> {
     pub(super) requests: Consumer<(Ticket, Request<T>)>,
     pub(super) events: Producer<Event>,
@@ -133,7 +136,7 @@ pub(super) struct CycleQueues<T> {
     staged: Vec<Released<T>>,
 }
 
-/// Ends of the queues between host and cycle that the host uses.
+/// Queue ends that the host uses: it sends requests, and receives events, samples and released objects.
 pub(super) struct HostQueues<T> {
     pub(super) requests: Producer<(Ticket, Request<T>)>,
     pub(super) events: Consumer<Event>,
@@ -143,7 +146,7 @@ pub(super) struct HostQueues<T> {
 
 /// Maximum number of objects that one request releases: a command, its subscription and its snapshot.
 const MAX_RELEASED_PER_REQUEST: usize = 3;
-/// Capacity of the sample queue in words.
+/// Capacity of the queue of samples (values of exported flows) to the host, in 64-bit words.
 const SAMPLE_CAPACITY: usize = 1 << 18;
 
 pub(super) fn queues<T>(options: Options) -> (CycleQueues<T>, HostQueues<T>) {
@@ -171,18 +174,19 @@ pub(super) fn queues<T>(options: Options) -> (CycleQueues<T>, HostQueues<T>) {
 }
 
 impl<T> CycleQueues<T> {
-    /// Returns true if there is room for the answer to a request and for the objects that it releases.
+    /// Returns true if the queues to the host have room for the answer to a request and for the objects that it
+    /// releases.
     pub(super) fn has_room(&self) -> bool {
         self.staged.is_empty() && !self.events.is_full()
     }
 
-    /// Sends an object that the cycle no longer uses to the host, which frees it.
+    /// Stages an object that the cycle no longer uses, to be sent to the host, which frees it.
     pub(super) fn release(&mut self, released: Released<T>) {
         // The capacity covers all objects that the cycle can own.
         self.staged.push(released);
     }
 
-    /// Sends the released objects. Must be called after the events that explain them were sent.
+    /// Sends the staged objects to the host. Must be called after the events about them were sent.
     pub(super) fn send_released(&mut self) {
         while !self.released.is_full() {
             let Some(released) = self.staged.pop() else {

@@ -10,34 +10,35 @@ use rpi_image::Image;
 use super::event::Ticket;
 use super::queue::{InputValue, Request};
 
-/// A request to the core with all data needed to repeat it, as recordings store it.
+/// Request to the core with all data needed to repeat it, except devices, as recordings store it.
 #[derive(Clone, Debug)]
 pub enum RequestRecord {
     /// Loads a command from an image, with its policies for discontinuities and overruns.
     Load(CommandId, Arc<Image>, Continuity, CommandOverrunPolicy),
     /// Starts a loaded command.
     Start(CommandId),
-    /// Takes a command off the schedule.
+    /// Removes a command from all rules that would start it.
     Unschedule(CommandId),
     /// Cancels a command: its input `cancel` becomes true.
     Cancel(CommandId),
-    /// Ends a command immediately.
+    /// Aborts a command for this reason.
     Abort(CommandId, AbortReason),
     /// Removes a command that does not run and frees its memory.
     Unload(CommandId),
-    /// Adds a rule.
+    /// Adds a rule under this id.
     Schedule(RuleId, Rule),
-    /// Removes a rule.
+    /// Removes the rule with this id.
     Withdraw(RuleId),
-    /// Sets parameters and values of commands before they start.
+    /// Sets inputs of commands, all of them between the same two cycles.
     Set(Vec<InputValue>),
-    /// Subscribes to exported flows (by index), with a period in cycles.
+    /// Subscribes to exported flows of a command, given by their indices in the image, with a sampling period in
+    /// cycles.
     Subscribe(CommandId, Vec<u32>, u64),
-    /// Inserts or removes the device at this index. The device itself is not recorded.
+    /// Inserts or removes the device at this index of the device bank. The device itself is not recorded.
     Device(usize),
-    /// Sets the override and the pause of all motions.
+    /// Sets the speed override (a factor from 0 to 1) and the pause of all motions.
     SetControls(MotionControls),
-    /// Stops all commands.
+    /// Aborts all commands, drops all rules and stops all devices.
     EmergencyStop,
 }
 
@@ -66,6 +67,6 @@ impl RequestRecord {
     }
 }
 
-/// Callback for each request before it is sent. The callback therefore knows a command before any event about it
-/// arrives.
+/// Callback that receives each request before it is sent to the core, and therefore before any event that the request
+/// causes.
 pub type RequestLog = Box<dyn FnMut(Ticket, RequestRecord) + Send>;

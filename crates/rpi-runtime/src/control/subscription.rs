@@ -4,13 +4,14 @@ use rpi_core::{Command, CommandId};
 use rpi_image::image::Signal;
 use rtrb::{Consumer, Producer};
 
-/// Subscription to exported flows of one command. A new subscription of the command replaces the old one.
+/// Subscription of the host to exported flows of one command: changed values are sent to the host. A new subscription
+/// of the command replaces the old one.
 #[derive(Clone, PartialEq, Eq, Debug)]
 pub struct Subscription {
     pub(super) command: CommandId,
     pub(super) every: u64,
     flows: Box<[SubscribedFlow]>,
-    /// Number of samples dropped because the ring buffer was full.
+    /// Number of samples that were not sent because the ring buffer to the host was full.
     pub(super) lost: u64,
 }
 
@@ -18,19 +19,21 @@ pub struct Subscription {
 struct SubscribedFlow {
     export: u32,
     signal: Signal,
-    /// Last value sent: `None` if nothing was sent, `Some(false)` if the flow was absent, `Some(true)` for the value in
-    /// `cells`.
+    /// State of the flow in the last sample that was sent: `None` if none was sent, `Some(false)` if the flow was
+    /// absent, `Some(true)` if it had the value in `cells`.
     sent: Option<bool>,
     cells: Box<[u64]>,
 }
 
-/// Number of words before the value of a sample: command number; export index with width and presence; tick.
+/// Number of 64-bit words before the value of a sample: command number; export index with width and presence; tick
+/// number.
 const HEADER: usize = 3;
+/// Bit of the second header word of a sample that is set if a value follows; otherwise the flow was absent.
 const PRESENT: u64 = 1 << 63;
 
 impl Subscription {
-    /// Creates a subscription to exports of a command, given by index and signal. The flows are sampled in every
-    /// `every`th cycle.
+    /// Creates a subscription to exports of a command, given by index and signal (place and type in memory). The flows
+    /// are sampled in every `every`th cycle.
     #[must_use]
     pub fn new(command: CommandId, flows: &[(u32, Signal)], every: u64) -> Subscription {
         let flow = |&(export, signal): &(u32, Signal)| SubscribedFlow {
@@ -47,7 +50,7 @@ impl Subscription {
         }
     }
 
-    /// Returns the indices of the subscribed exports.
+    /// Returns the indices of the subscribed exports in the image.
     pub(super) fn exports(&self) -> impl Iterator<Item = u32> + '_ {
         self.flows.iter().map(|flow| flow.export)
     }
@@ -96,7 +99,8 @@ impl SubscribedFlow {
     }
 }
 
-/// Passes all complete samples in the ring to `take`: command number, export index, tick, value.
+/// Passes all complete samples in the ring buffer to `take`: command number, export index, tick number, and memory
+/// words of the value (`None` if the flow was absent).
 pub(super) fn drain_samples(
     ring: &mut Consumer<u64>,
     buffer: &mut Vec<u64>,

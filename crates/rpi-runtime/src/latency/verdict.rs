@@ -8,38 +8,39 @@ use super::measure::{HistogramBucket, WakeupLatency};
 use crate::realtime::Percentiles;
 use crate::run::time_text;
 
-/// Timing of a program that ran in the cycle.
+/// Timing of a program whose cycles were measured on the machine.
 #[derive(Clone, PartialEq, Eq, Debug, Serialize)]
 pub struct CycleTiming {
     /// Name of the program.
     pub name: String,
-    /// Percentiles of the duration of the cycles, nanoseconds.
+    /// Percentiles of the duration of the cycles, in nanoseconds.
     pub cycle: Percentiles,
-    /// Percentiles of the lateness of the cycle starts, nanoseconds.
+    /// Percentiles of the delay from the due time to the start of each cycle, in nanoseconds.
     pub late: Percentiles,
 }
 
 /// Shortest period that a machine can meet, with the measurements behind it.
 #[derive(Clone, PartialEq, Eq, Debug, Serialize)]
 pub struct PeriodVerdict {
-    /// Measured wake-up latency.
+    /// Measured wake-up latency of an empty cycle.
     pub wakes: WakeupLatency,
-    /// Timing of the program that was measured, if any.
+    /// Timing of a measured program; `None` if only the wake-up latency was measured.
     pub load: Option<CycleTiming>,
-    /// Worst-case time from a deadline to the end of its cycle, nanoseconds: the largest latency plus the longest
+    /// Worst-case time from the due time of a cycle to its end, in nanoseconds: the largest latency plus the longest
     /// cycle.
     pub needed_ns: u64,
-    /// Shortest common period longer than `needed_ns`, nanoseconds; `None` if no common period is.
+    /// Shortest period of `PERIODS_NS` that is longer than `needed_ns`, in nanoseconds; `None` if there is none.
     pub holds_ns: Option<u64>,
 }
 
-/// Common periods of robot controllers, nanoseconds.
+/// Common periods of robot controllers in nanoseconds, in ascending order.
 const PERIODS_NS: [u64; 10] = [
     100_000, 125_000, 250_000, 500_000, 1_000_000, 2_000_000, 4_000_000, 8_000_000, 12_000_000,
     25_000_000,
 ];
 
-/// Computes the shortest period that the machine can meet from the measurements.
+/// Computes the shortest common period that the machine can meet, from the wake-up latency and, if given, the timing of
+/// a program.
 #[must_use]
 pub fn verdict(wakes: WakeupLatency, load: Option<CycleTiming>) -> PeriodVerdict {
     let run_late = load.as_ref().map_or(0, |load| load.late.max);
@@ -78,7 +79,7 @@ impl PeriodVerdict {
     }
 }
 
-/// Number of characters of the longest bar of the histogram.
+/// Number of characters of the longest bar when the histogram is printed as text.
 const BAR_WIDTH: u64 = 50;
 
 impl fmt::Display for PeriodVerdict {

@@ -2,14 +2,15 @@
 
 use std::time::{Duration, Instant, SystemTime, UNIX_EPOCH};
 
-/// Time base of the ticks.
+/// Time base of the ticks: how the time of a tick relates to real time.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub enum TimeBase {
     /// Simulated time: ticks follow each other without waiting. The logical clock starts at 0.
     Simulated,
-    /// Accelerated time: the given multiple of real time. The logical clock starts at 0.
+    /// Accelerated time: ticks follow each other this many times faster than in real time. The logical clock starts at
+    /// 0.
     Accelerated(u32),
-    /// Real time: absolute deadlines on the monotonic clock.
+    /// Real time: each tick has an absolute deadline on the monotonic clock.
     Real,
 }
 
@@ -25,9 +26,9 @@ pub(crate) struct Clock {
     pace: TimeBase,
     tick_ns: u64,
     start: Instant,
-    /// Nanoseconds by which all deadlines are postponed.
+    /// Nanoseconds by which all deadlines are postponed, because of skipped periods or a suspended machine.
     postponed_ns: u64,
-    /// Wall clock at the start, nanoseconds since the Unix epoch; 0 unless time is real.
+    /// Wall clock at the start of the clock, in nanoseconds since the Unix epoch; 0 unless time is real.
     epoch_ns: i64,
 }
 
@@ -50,7 +51,8 @@ impl Clock {
         self.tick_ns
     }
 
-    /// Waits until a tick is due. Returns its lateness in nanoseconds; 0 on simulated time.
+    /// Waits until the tick with this number is due. Returns in nanoseconds how late the tick begins; 0 on simulated
+    /// time.
     pub(crate) fn wait(&mut self, tick: u64) -> u64 {
         let times = match self.pace {
             TimeBase::Simulated => return 0,
@@ -64,7 +66,7 @@ impl Clock {
         late
     }
 
-    /// Waits until `due` nanoseconds after the start. Returns the lateness in nanoseconds.
+    /// Waits until `due` nanoseconds after the start of the clock. Returns in nanoseconds how much later it is.
     fn wait_until(&self, due: u64) -> u64 {
         loop {
             let now = self.elapsed();
@@ -79,7 +81,7 @@ impl Clock {
         }
     }
 
-    /// Postpones all later ticks by a number of periods.
+    /// Postpones all later ticks by this number of periods.
     pub(crate) fn postpone(&mut self, periods: u64) {
         let more = periods.saturating_mul(self.tick_ns);
         self.postponed_ns = self.postponed_ns.saturating_add(more);
@@ -90,8 +92,8 @@ impl Clock {
         *self = Clock::start(self.pace, self.tick_ns);
     }
 
-    /// Returns the nanoseconds by which a tick with this lateness and duration ended after the next tick was due; 0
-    /// unless time is real.
+    /// Returns the nanoseconds by which a tick that began `late` ns too late and took `took` ns ended after the next
+    /// tick was due; 0 if it ended in time or unless time is real.
     pub(crate) fn overrun(&self, late: u64, took: u64) -> u64 {
         match self.pace {
             TimeBase::Simulated | TimeBase::Accelerated(_) => 0,
@@ -99,7 +101,8 @@ impl Clock {
         }
     }
 
-    /// Returns the wall clock of the commands in a tick, nanoseconds since the Unix epoch.
+    /// Returns the wall clock for the commands in the tick with this number, in nanoseconds since the Unix epoch; on
+    /// simulated and accelerated time, the logical time since the start.
     pub(crate) fn wall_ns(&self, tick: u64) -> i64 {
         let since = match self.pace {
             TimeBase::Simulated | TimeBase::Accelerated(_) => self.tick_ns.saturating_mul(tick),

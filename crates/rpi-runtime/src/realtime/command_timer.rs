@@ -4,19 +4,20 @@ use std::time::Instant;
 
 use rpi_core::CommandId;
 
-/// Stopwatch that measures the time of each command in a tick. No method allocates; the only system call is that of the
-/// clock.
+/// Stopwatch that measures the time of each command in a tick and stores the longest one. No method allocates; the only
+/// system call is that of the clock.
 #[derive(Debug, Default)]
 pub(crate) struct CommandTimer {
-    /// True if measurement is disabled. The clock is then never read.
+    /// Whether measurement is disabled. The clock is then never read.
     is_disabled: bool,
-    /// Command that is being computed and its start time.
+    /// Id of the command that is being computed, and the time at which its computation started; `None` between
+    /// commands.
     running: Option<(CommandId, Instant)>,
     longest: Option<(CommandId, u64)>,
 }
 
 impl CommandTimer {
-    /// Creates a stopwatch. If `goes` is false, it never measures.
+    /// Creates a stopwatch. With `goes` false, the stopwatch never measures.
     pub(crate) fn new(goes: bool) -> CommandTimer {
         CommandTimer {
             is_disabled: !goes,
@@ -24,12 +25,12 @@ impl CommandTimer {
         }
     }
 
-    /// Starts a tick: discards the measurements of the previous one.
+    /// Discards the measurements of the previous tick, at the start of a new one.
     pub(crate) fn reset(&mut self) {
         (self.running, self.longest) = (None, None);
     }
 
-    /// Ends the measurement of the current command and starts that of the next one, if any.
+    /// Ends the measurement of the current command and starts that of the command `next`, if there is one.
     pub(crate) fn switch_to(&mut self, next: Option<CommandId>) {
         if self.is_disabled {
             return;
@@ -44,7 +45,8 @@ impl CommandTimer {
         self.running = next.map(|id| (id, now));
     }
 
-    /// Returns the command that took the longest in this tick, with its time in nanoseconds.
+    /// Returns the id of the command that took the longest in this tick, with its time in nanoseconds; `None` if
+    /// nothing was measured.
     pub(crate) fn longest(&self) -> Option<(CommandId, u64)> {
         self.longest
     }

@@ -4,6 +4,7 @@
 
 mod clock;
 mod command_timer;
+mod cycle_metrics;
 mod overrun;
 mod resources;
 mod syscall_filter;
@@ -12,6 +13,7 @@ mod timing_stats;
 
 pub use clock::TimeBase;
 pub(crate) use command_timer::CommandTimer;
+pub use cycle_metrics::{BUCKET_BOUNDS_NS, CycleMetrics, DurationHistogram};
 pub use overrun::{OverrunPolicy, OverrunStats, ParseOverrunPolicyError};
 pub use resources::{ResourceGrant, SchedulingOptions, request_resources};
 pub use rpi_core::{CommandOverrunPolicy, OverrunThreshold};
@@ -22,18 +24,19 @@ pub use timing_stats::{Percentiles, TimingStats};
 /// Options of real-time execution: scheduling priority, processor, and policies for late ticks.
 #[derive(Clone, Copy, PartialEq, Eq, Debug, Default)]
 pub struct RealTime {
-    /// Scheduling resources requested for the tick thread.
+    /// Priority and processor core requested for the tick thread.
     pub resources: SchedulingOptions,
-    /// Policy for ticks that end after the next one was due.
+    /// Policy for overruns: ticks that end after the next one was due.
     pub overrun: OverrunPolicy,
-    /// Overrun policy of commands that were loaded without one. It applies to the command that took the longest in an
-    /// overrun tick.
+    /// Overrun policy of commands that were loaded without one. An overrun is attributed to the command that took the
+    /// longest in the tick.
     pub command_overrun: CommandOverrunPolicy,
-    /// Whether the tick thread is restricted to the system calls of the clock; see [`install_syscall_filter`].
+    /// Whether the tick thread may only use the system calls of the clock; see [`install_syscall_filter`].
     pub syscall_filter: bool,
 }
 
-/// Requests all of these resources for the calling thread and installs the system call filter if it is enabled.
+/// Requests the given real-time resources for the calling thread and installs the system call filter if it is enabled.
+/// Returns for each resource whether the operating system granted it.
 ///
 /// A thread with the filter must call [`sleep_forever()`] in the end.
 #[must_use]

@@ -6,20 +6,21 @@ use std::str::FromStr;
 use rpi_core::OverrunThreshold;
 use serde::Serialize;
 
-/// Reaction to an overrun of a tick. Every policy counts overruns.
+/// Reaction to an overrun: a tick that ends after the next one was due. Every policy counts overruns.
 #[derive(Clone, Copy, PartialEq, Eq, Debug, Default)]
 pub enum OverrunPolicy {
-    /// Late ticks follow immediately, with less than a period between them. No tick is dropped.
+    /// Overdue ticks run immediately, with less than a period between them, until the delay is caught up. No tick is
+    /// dropped.
     #[default]
     CatchUp,
-    /// All later ticks are postponed by whole periods, so that no tick follows immediately.
+    /// All later ticks are postponed by whole periods, so that no tick begins late because of the overrun.
     Skip,
-    /// All commands are ended once N of the last M ticks were overruns, and their devices brake. Until then late ticks
-    /// follow immediately.
+    /// All commands are aborted and their devices brake once the threshold is reached: a number of overruns within a
+    /// number of latest ticks. Until then overdue ticks run immediately.
     Stop(OverrunThreshold),
 }
 
-/// Error of parsing the name of an overrun policy: no policy has this name.
+/// Error: a text is not the name of an overrun policy.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub struct ParseOverrunPolicyError;
 
@@ -62,18 +63,19 @@ impl fmt::Display for OverrunPolicy {
     }
 }
 
-/// Statistics of overruns. Counting neither allocates nor fails.
+/// Statistics of the overruns of a run: ticks that ended after the next one was due. Counting neither allocates nor
+/// fails.
 #[derive(Clone, Copy, PartialEq, Eq, Debug, Default, Serialize)]
 pub struct OverrunStats {
     /// Number of overruns.
     pub count: u64,
-    /// Tick of the first overrun, from 0.
+    /// Number of the tick of the first overrun, from 0; `None` if there was none.
     pub first: Option<u64>,
-    /// Longest time by which a tick ended after the next one was due, nanoseconds.
+    /// Longest time in nanoseconds by which a tick ended after the next one was due.
     pub longest: u64,
-    /// Number of periods by which later ticks were postponed.
+    /// Total number of periods by which later ticks were postponed because of overruns.
     pub skipped: u64,
-    /// Overrun bits of the last 64 ticks; the latest is the lowest bit.
+    /// Bits of the last 64 ticks, 1 for an overrun; the latest tick is the lowest bit.
     #[serde(skip)]
     history: u64,
 }
@@ -81,16 +83,17 @@ pub struct OverrunStats {
 /// Action that the overrun policy requires after a tick.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub(super) enum OverrunAction {
-    /// No action.
+    /// No reaction: the next tick follows as planned.
     Continue,
     /// Postpone all later ticks by this number of periods.
     Postpone(u64),
-    /// End all commands.
+    /// Abort all commands.
     Stop,
 }
 
 impl OverrunStats {
-    /// Counts a tick that ended `over` nanoseconds after the next one was due (0 if in time) and returns the action.
+    /// Counts the tick with this number, which ended `over` nanoseconds after the next one was due (0 if it ended in
+    /// time). Returns the action that the policy requires.
     pub(super) fn record(
         &mut self,
         tick: u64,

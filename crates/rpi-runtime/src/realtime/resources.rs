@@ -10,13 +10,13 @@ use thread_priority::{
     set_thread_priority_and_policy, thread_native_id,
 };
 
-/// Scheduling resources to request from the operating system.
+/// Priority and CPU core to request from the operating system for a thread.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub struct SchedulingOptions {
-    /// Priority of the thread under the policy `SCHED_FIFO`, 1 to 99.
+    /// Priority of the thread under the Linux scheduling policy `SCHED_FIFO`, from 1 (lowest) to 99.
     pub priority: u8,
-    /// CPU core of the thread. The default is the last allowed core if there are several, because interrupts are
-    /// usually served by the first.
+    /// Index of the CPU core of the thread. `None` selects the last allowed core if there are several, because
+    /// interrupts are usually served by the first.
     pub core: Option<usize>,
 }
 
@@ -31,12 +31,12 @@ impl Default for SchedulingOptions {
     }
 }
 
-/// Result of requesting one resource from the operating system.
+/// Answer of the operating system to the request for one real-time resource.
 #[derive(Clone, PartialEq, Eq, Debug)]
 pub struct ResourceGrant {
-    /// Description of the requested resource.
+    /// Description of the requested resource, such as `priority 80 of SCHED_FIFO`.
     pub resource: String,
-    /// Reason of the refusal, with a hint for the user; `None` if the resource was granted.
+    /// Reason for which the resource was not granted, with a hint for the user; `None` if the resource was granted.
     pub refusal: Option<String>,
 }
 
@@ -49,8 +49,8 @@ impl fmt::Display for ResourceGrant {
     }
 }
 
-/// Requests the resources for the calling thread. Memory is locked for the whole process, so that no page fault occurs
-/// in a tick.
+/// Requests a locked memory, the priority and the CPU core for the calling thread, and returns the answers. Memory is
+/// locked for the whole process, so that no page fault occurs in a tick.
 #[must_use]
 pub fn request_resources(wanted: SchedulingOptions) -> Vec<ResourceGrant> {
     let mut grants = vec![lock_memory(), set_priority(wanted.priority)];
@@ -99,7 +99,8 @@ fn set_priority(priority: u8) -> ResourceGrant {
     }
 }
 
-/// Pins the calling thread to a core. Returns `None` if there is only one core and none is requested.
+/// Pins the calling thread to the core with this index, by default to the last allowed one. Returns `None` if there is
+/// only one core and none is requested.
 fn pin_to_core(wanted: Option<usize>) -> Option<ResourceGrant> {
     let allowed = sched_getaffinity(None);
     let allowed = allowed.as_ref().ok();

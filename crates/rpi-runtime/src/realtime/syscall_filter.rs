@@ -12,7 +12,7 @@ use seccompiler::{BpfProgram, SeccompAction, SeccompFilter};
 
 use super::resources::ResourceGrant;
 
-/// Allowed system calls: sleep, read the clock, return from a signal handler, exit.
+/// System calls that a thread with the filter may use: sleep, read the clock, return from a signal handler, exit.
 const ALLOWED: [libc::c_long; 7] = [
     libc::SYS_clock_nanosleep,
     libc::SYS_nanosleep,
@@ -23,10 +23,11 @@ const ALLOWED: [libc::c_long; 7] = [
     libc::SYS_exit_group,
 ];
 
-/// Name of the system call filter in its [`ResourceGrant`].
+/// Description of the system call filter in the [`ResourceGrant`] about it.
 const FILTER_NAME: &str = "no system call but the clock's";
 
-/// Permanently forbids the calling thread all system calls except those of the clock.
+/// Permanently forbids the calling thread all system calls except those of the clock. Returns whether the kernel has
+/// installed the filter.
 ///
 /// A forbidden system call ends the process with `SIGSYS`. The filter cannot be removed. The thread cannot even release
 /// its memory, so it must sleep until the process ends.
@@ -42,7 +43,7 @@ pub fn install_syscall_filter() -> ResourceGrant {
     }
 }
 
-/// Returns true if the grant belongs to the system call filter and the filter is installed.
+/// Returns true if the grant is about the system call filter and the filter is installed.
 #[must_use]
 pub fn is_syscall_filter_installed(grant: &ResourceGrant) -> bool {
     grant.resource == FILTER_NAME && grant.refusal.is_none()

@@ -1,8 +1,12 @@
 //! Tick timer: waits for each tick, measures it and handles overruns.
 
+use std::sync::Arc;
 use std::time::Instant;
 
+use hdrhistogram::Histogram;
+
 use super::clock::{Clock, TimeBase};
+use super::cycle_metrics::CycleMetrics;
 use super::overrun::{OverrunAction, OverrunPolicy};
 use super::timing_stats::{TimingHistograms, TimingStats};
 
@@ -16,13 +20,13 @@ pub struct TickTimer {
     overrun_ns: u64,
     /// Nanoseconds by which the latest tick took longer than a period, regardless of when it began.
     excess_ns: u64,
-    /// Nanoseconds by which the current tick began too late.
+    /// Nanoseconds by which the current tick began after it was due.
     late_ns: u64,
     begin: Instant,
 }
 
 impl TickTimer {
-    /// Starts a timer. Tick 0 is due now; `tick_ns` is the period.
+    /// Starts a timer of ticks with the period `tick_ns` in nanoseconds. Tick 0 is due now.
     #[must_use]
     pub fn start(pace: TimeBase, tick_ns: u64, policy: OverrunPolicy) -> TickTimer {
         TickTimer {
@@ -41,14 +45,16 @@ impl TickTimer {
         self.clock.restart();
     }
 
-    /// Waits until a tick is due. Returns the wall clock of the commands, nanoseconds since the Unix epoch.
+    /// Waits until the tick with this number is due. Returns the wall clock for the commands, in nanoseconds since the
+    /// Unix epoch.
     pub fn wait(&mut self, tick: u64) -> i64 {
         self.late_ns = self.clock.wait(tick);
         self.begin = Instant::now();
         self.clock.wall_ns(tick)
     }
 
-    /// Ends the measurement of a tick. Returns true if the overrun policy requires that all commands are ended.
+    /// Ends the measurement of the tick with this number. Returns true if the overrun policy requires that all commands
+    /// are aborted.
     #[must_use]
     pub fn finish_tick(&mut self, tick: u64) -> bool {
         let took = u64::try_from(self.begin.elapsed().as_nanos()).unwrap_or(u64::MAX);
@@ -56,7 +62,10 @@ impl TickTimer {
         let over = self.clock.overrun(self.late_ns, took);
         (self.overrun_ns, self.excess_ns) = (over, took.saturating_sub(self.clock.tick_ns()));
         let overruns = &mut self.meter.overruns;
-        match overruns.record(tick, over, self.clock.tick_ns(), self.policy) {
+        let action = overruns.record(tick, over, self.clock.tick_ns(), self.policy);
+        let (count, skipped) = (overruns.count, overruns.skipped);
+        self.meter.metrics.set_overruns(count, skipped);
+        match action {
             OverrunAction::Continue => false,
             OverrunAction::Postpone(periods) => {
                 self.clock.postpone(periods);
@@ -66,16 +75,28 @@ impl TickTimer {
         }
     }
 
-    /// Returns the overrun of the latest tick, or `None` if it ended in time.
+    /// Returns two times about an overrun of the latest tick, or `None` if the tick ended in time.
     ///
     /// The first number is the time in nanoseconds by which the tick ended after the next one was due. The second
-    /// number is the time by which it took longer than a period; 0 if it only began too late.
+    /// number is the time in nanoseconds by which it took longer than a period; 0 if it only began too late.
     #[must_use]
     pub fn overrun(&self) -> Option<(u64, u64)> {
         Some((self.overrun_ns, self.excess_ns)).filter(|(over, _)| *over > 0)
     }
 
-    /// Returns the statistics of the ticks so far.
+    /// Returns the histogram of the delays from the due time to the start of each tick, in nanoseconds; empty unless
+    /// time is real.
+    pub(crate) fn into_lateness(self) -> Histogram<u64> {
+        self.meter.into_lateness()
+    }
+
+    /// Returns the counters that other threads may read while the timer is used.
+    #[must_use]
+    pub fn metrics(&self) -> &Arc<CycleMetrics> {
+        &self.meter.metrics
+    }
+
+    /// Returns the statistics of the durations, delays and overruns of the ticks so far.
     #[must_use]
     pub fn figures(&self) -> TimingStats {
         self.meter.stats()

@@ -6,19 +6,19 @@ use super::job::RunError;
 use super::plan::ExecutablePlan;
 use crate::control::Budget;
 
-/// Time budget of a run and the known bounds of its commands.
+/// Time budget of all commands of a run in a tick, and the upper bounds on the work of the commands.
 #[derive(Clone, Copy, Debug)]
 pub struct RunBudget<'a> {
-    /// Time budget of all commands in a tick.
+    /// Time that all commands together may use in a tick.
     pub budget: Budget,
-    /// For each command, the bound computed by the compiler on the work of its primitives, in elementary operations, if
-    /// available.
+    /// For each command, the compiler's upper bound on the work of its primitives in a cycle, in elementary operations;
+    /// `None` if unknown.
     pub work: &'a [Option<u64>],
 }
 
 impl RunBudget<'_> {
-    /// Returns an error if a command, or all commands that may run in parallel, exceed the budget. `commands` is in the
-    /// order of the images.
+    /// Returns an error if a single command, or the commands of all plans that may run in parallel, exceed the budget.
+    /// `commands` has the same order as the indices in the plans.
     pub(super) fn check(
         &self,
         commands: &mut [Command],

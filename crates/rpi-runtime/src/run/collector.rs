@@ -10,8 +10,8 @@ use super::samples::Channel;
 use crate::control::Executive;
 use crate::tick_log::{LoggingBank, TickLogReader, TickLogWriter, tick_log};
 
-/// Collector that records each tick from within the cycle. It never allocates or blocks. A tick that does not fit on
-/// the tick log is dropped and counted.
+/// Collector that writes a record of each tick to the tick log, from within the cycle. It never allocates or blocks. A
+/// tick that does not fit into the log is dropped and counted.
 pub struct TickCollector {
     tick_log: TickLogWriter,
     probe: FlowProbe,
@@ -19,8 +19,8 @@ pub struct TickCollector {
 }
 
 impl TickCollector {
-    /// Starts logging the devices of an executive. Returns the collector, the end of its tick log for the recorder, and the
-    /// device ports that are sampled after each tick.
+    /// Starts logging the devices of an executive. Returns the collector, the end of the tick log from which the
+    /// recorder reads, and the device ports that are sampled after each tick.
     pub fn begin(
         cell: &Cell,
         executive: &mut Executive<LoggingBank<SimBank>>,
@@ -36,7 +36,8 @@ impl TickCollector {
         (collector, reader, channels)
     }
 
-    /// Executes one tick of the executive and records its flows. `watch` observes the tick as well.
+    /// Executes one tick of the executive and stores the flows of its commands for the record of the tick. `watch`
+    /// observes the tick as well.
     pub fn tick(
         &mut self,
         executive: &mut Executive<LoggingBank<SimBank>>,
@@ -48,13 +49,14 @@ impl TickCollector {
         executive.tick(wall_ns, &mut both);
     }
 
-    /// Ends all commands after a tick for the reason `why`, and records the reason.
+    /// Aborts all commands after a tick for the reason `why`, and records the reason.
     pub fn halt(&mut self, executive: &mut Executive<LoggingBank<SimBank>>, why: AbortReason) {
         executive.plant().log_halt(why);
         executive.halt(why);
     }
 
-    /// Records that the tick ended too late, then calls [`Executive::handle_overrun`].
+    /// Records that the tick ended after the next one was due, then calls [`Executive::handle_overrun`] with the times
+    /// `late`. Returns true if all commands must be aborted.
     pub fn handle_overrun(
         &mut self,
         executive: &mut Executive<LoggingBank<SimBank>>,
@@ -64,7 +66,8 @@ impl TickCollector {
         executive.handle_overrun(late)
     }
 
-    /// Records the tick with this number once it has ended.
+    /// Writes the record of the tick with this number to the tick log, once the tick has ended. `wall_ns` is its wall
+    /// clock in nanoseconds since the Unix epoch.
     pub fn record_tick(
         &mut self,
         executive: &mut Executive<LoggingBank<SimBank>>,
@@ -82,14 +85,14 @@ impl TickCollector {
         }
     }
 
-    /// Returns the number of ticks that were lost.
+    /// Returns the number of ticks that are missing from the tick log, because it had no room for them.
     #[must_use]
     pub fn lost_ticks(&self) -> u64 {
         self.tick_log.lost()
     }
 }
 
-/// Observer of cycles that forwards each notification to two observers.
+/// Observer of cycles that forwards each notification to a flow probe and to another observer.
 struct ObserverPair<'a>(&'a mut FlowProbe, &'a mut dyn CycleObserver);
 
 impl CycleObserver for ObserverPair<'_> {

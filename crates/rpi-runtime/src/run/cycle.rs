@@ -16,16 +16,16 @@ use crate::control::Executive;
 use crate::realtime::TickTimer;
 use crate::tick_log::{LoggingBank, TickLogWriter};
 
-/// Maximum time in seconds for the devices to come to rest after the last command.
+/// Maximum time in seconds that a run waits for the devices to come to rest after its last command.
 const SETTLE_SECONDS: f64 = 10.0;
 
 /// Maximum number of commands whose overruns are recorded.
 const MAX_OVERRUN_COMMANDS: usize = 64;
 
-/// Conditions under which a run stops, and its tick length.
+/// Conditions under which the commands of a run are aborted, and the tick length.
 #[derive(Clone, Debug)]
 pub(super) struct StopConditions {
-    /// Tick at which the commands that still run are stopped.
+    /// Number of the tick in which the commands that still run are aborted.
     pub(super) last_tick: u64,
     /// Flag that stops the run as soon as it is set to true.
     pub(super) interrupted: Arc<AtomicBool>,
@@ -36,7 +36,7 @@ pub(super) struct StopConditions {
 }
 
 impl StopConditions {
-    /// Returns the reason to end all commands now; `None` if no stop condition is met.
+    /// Returns the reason for which all commands must be aborted in the tick `now`; `None` if no condition is met.
     fn stop_reason(&self, now: u64) -> Option<AbortReason> {
         let is_cut_off = || now >= self.last_tick || self.interrupted.load(Ordering::Relaxed);
         // The emergency stop comes first: it is the reason to report if the run was interrupted at the same time.
@@ -47,30 +47,31 @@ impl StopConditions {
     }
 }
 
-/// Loop of the control cycle in a run, with all data that it owns: the core, the devices, the clock and the recording.
+/// Loop of the control cycle in a run, with all data that it owns: the core, the devices, the clock and the tick log.
 pub(super) struct CycleLoop {
     executive: Executive<LoggingBank<SimBank>>,
     pub(super) timer: TickTimer,
     pub(super) watcher: FlowSampler,
     devices: Box<[DeviceTap]>,
-    /// Number of the next tick, read by the host.
+    /// Number of the next tick, shared with the thread outside the cycle.
     now: Arc<AtomicU64>,
     bounds: StopConditions,
-    /// Tick at which the run ends even if the devices still move; set once all commands have ended.
+    /// Number of the tick in which the run ends even if the devices still move; `None` until all commands have ended.
     settling: Option<u64>,
-    /// Reason for which all commands were ended early. [`AbortReason::Request`] if the run was cut off.
+    /// Reason for which all commands were aborted; `None` if they were not. [`AbortReason::Request`] means that the run
+    /// reached its limit or was interrupted by the user.
     pub(super) halted: Option<AbortReason>,
-    /// Tick log of the recording, if any.
+    /// End of the tick log to which each tick is written; `None` if the run is not recorded.
     tick_log: Option<TickLogWriter>,
-    /// Overrun statistics of the first commands with overruns.
+    /// Overrun statistics of the commands with overruns, at most [`MAX_OVERRUN_COMMANDS`] of them.
     pub(super) overruns: Vec<(CommandId, OverrunStats)>,
 }
 
-/// A device port that is sampled in every tick.
+/// A device port whose value is sampled in every tick.
 pub(super) struct DeviceTap {
     pub(super) port: PortId,
     pub(super) channel: usize,
-    /// Buffer for the value.
+    /// Buffer for the memory words of the latest value of the port.
     pub(super) value: Box<[u64]>,
 }
 
@@ -98,7 +99,7 @@ impl CycleLoop {
         }
     }
 
-    /// Executes one tick of the core, and records it.
+    /// Waits for the next tick, executes it, and records it.
     pub(super) fn tick(&mut self) {
         let now = self.executive.now();
         let wall_ns = self.timer.wait(now);
@@ -122,7 +123,9 @@ impl CycleLoop {
         self.now.store(self.executive.now(), Ordering::Release);
     }
 
-    /// Handles an overrun; see [`Executive::handle_overrun`]. Returns true if all commands must be ended.
+    /// Handles a tick that ended `late_ns` after the next one was due and took `excess_ns` longer than a period, as
+    /// [`Executive::handle_overrun`] does, and stores the statistics of the responsible command. Returns true if all
+    /// commands must be aborted.
     fn handle_overrun(&mut self, (late_ns, excess_ns): (u64, u64)) -> bool {
         if let Some(probe) = &mut self.watcher.probe {
             probe.overrun(late_ns);
@@ -143,8 +146,8 @@ impl CycleLoop {
         stop
     }
 
-    /// Returns true if another tick is needed: commands run, or devices have not yet come to rest. `over` states that
-    /// no further command will start.
+    /// Returns true if another tick is needed: commands run, or devices have not yet come to rest. `over` is true if no
+    /// further command will start.
     pub(super) fn should_continue(&mut self, over: bool) -> bool {
         let now = self.executive.now();
         if self.settling.is_none()
@@ -161,14 +164,15 @@ impl CycleLoop {
             .is_none_or(|until| now < until && self.is_moving())
     }
 
-    /// Ends all commands between two ticks for the reason `why`.
+    /// Aborts all commands between two ticks for the reason `why`.
     fn halt(&mut self, why: AbortReason) {
         self.halted = Some(why);
         self.executive.plant().log_halt(why);
         self.executive.halt(why);
     }
 
-    /// Writes everything since the last recorded tick to the tick log.
+    /// Writes everything since the last recorded tick to the tick log. `context` is the number of the tick and its wall
+    /// clock in nanoseconds since the Unix epoch; `ticked` is false for data after the last tick.
     fn record(&mut self, context: (u64, i64), ticked: bool) {
         let (Some(tick_log), Some(probe)) = (&mut self.tick_log, &self.watcher.probe) else {
             return;
@@ -179,7 +183,8 @@ impl CycleLoop {
         }
     }
 
-    /// Writes everything after the last tick to the tick log. Returns the number of lost ticks.
+    /// Writes everything since the last tick to the tick log, at the end of the run. Returns the number of ticks that
+    /// are missing from the log.
     pub(super) fn finish_tick_log(&mut self) -> u64 {
         let now = self.executive.now();
         let stage = self.executive.plant().buffer();
@@ -190,17 +195,17 @@ impl CycleLoop {
         self.tick_log.as_ref().map_or(0, TickLogWriter::lost)
     }
 
-    /// Returns true while the tick log has enough room for the next ticks.
+    /// Returns true while the tick log has enough room for the next ticks, or if the run is not recorded.
     pub(super) fn has_room(&self) -> bool {
         self.tick_log.as_ref().is_none_or(TickLogWriter::has_room)
     }
 
-    /// Returns the device bank of the run.
+    /// Returns the device bank of the run, for access between ticks.
     pub(super) fn bank(&mut self) -> &mut SimBank {
         self.executive.plant().plant()
     }
 
-    /// Samples the ports of the devices after the devices have advanced by a tick.
+    /// Samples the ports of the devices after the devices have advanced by the tick with this number.
     fn sample(&mut self, tick: u64) {
         let (bank, watcher) = (self.executive.plant().plant(), &mut self.watcher);
         for tap in &mut self.devices {
@@ -218,12 +223,12 @@ impl CycleLoop {
     }
 }
 
-/// Sampler that reads the flows of commands at the end of their cycles.
+/// Sampler that reads the flows of commands at the end of their cycles and sends them to the host.
 pub(super) struct FlowSampler {
     pub(super) tap: SampleSender,
     pub(super) tick: u64,
     pub(super) flows: Box<[SampledFlows]>,
-    /// Probe that also writes the flows to the recording, if any.
+    /// Probe that also writes the flows to the tick log; `None` if the run is not recorded.
     pub(super) probe: Option<FlowProbe>,
 }
 
@@ -237,7 +242,7 @@ impl FlowSampler {
 /// Flows of an image that are sampled in every cycle.
 pub(super) struct SampledFlows {
     pub(super) image: Arc<Image>,
-    /// Channel, signal, and the index of the signal's fragment.
+    /// For each sampled flow: index of its channel, its place and type in memory, and the index of its fragment.
     pub(super) flows: Box<[(usize, Signal, u32)]>,
 }
 

@@ -9,10 +9,10 @@ use super::cycle::DeviceTap;
 use super::outcome::{DeviceEnd, DeviceProblem};
 use super::samples::{Channel, Source};
 
-/// Maximum number of distinct problems that are listed per device.
+/// Maximum number of distinct problems that are listed per device in the outcome of a run.
 const MAX_PROBLEMS: usize = 32;
 
-/// Returns the ports that are sampled in every tick: name, number of instances, type.
+/// Returns the ports of a device that are sampled in every tick: name, number of instances (such as joints) and type.
 fn sampled_ports(kind: &DeviceKind) -> Vec<(&'static str, usize, Scalar)> {
     match kind {
         DeviceKind::Arm(arm) => vec![
@@ -25,11 +25,12 @@ fn sampled_ports(kind: &DeviceKind) -> Vec<(&'static str, usize, Scalar)> {
             ("in.real", io.analogue.inputs.len(), Scalar::Real),
             ("out.real", io.analogue.outputs.len(), Scalar::Real),
         ],
-        DeviceKind::Base(_) | DeviceKind::Gripper(_) | DeviceKind::Force(_) => Vec::new(),
+        DeviceKind::Base(_) | DeviceKind::Small(_) => Vec::new(),
     }
 }
 
-/// Returns the sampled ports of a cell and their channels. The device channels are the first channels of a run.
+/// Returns the device ports of a cell that are sampled in every tick, and their channels. The channels of devices are
+/// the first channels of a run.
 pub(super) fn taps(cell: &Cell, bank: &mut SimBank) -> (Box<[DeviceTap]>, Vec<Channel>) {
     let (mut taps, mut channels) = (Vec::new(), Vec::new());
     for device in &cell.devices {
@@ -72,7 +73,8 @@ fn channel_name(device: &str, port: &str, index: usize, count: usize) -> String 
     }
 }
 
-/// Reads a device port after the devices have moved, and passes channel and value to `take`.
+/// Reads a device port after the devices have moved, and passes the index of its channel and its memory words to
+/// `take`; `None` if the port has no sample.
 pub(super) fn sample(
     tap: &mut DeviceTap,
     bank: &mut SimBank,
@@ -82,7 +84,7 @@ pub(super) fn sample(
     take(tap.channel, there.then_some(&*tap.value));
 }
 
-/// Returns the final states of the devices.
+/// Returns the final states of the devices, with the problems that they have reported.
 pub(super) fn device_ends(bank: &mut SimBank) -> Vec<DeviceEnd> {
     let mut ends: Vec<DeviceEnd> = bank
         .status()

@@ -10,7 +10,7 @@ use rpi_words::with_noun;
 
 use super::outcome::{FaultOrigin, RunEnd};
 
-/// Returns the named result with which a command ended.
+/// Returns the named result with which a command ended; `None` if it ended in another way.
 pub(super) fn result_of(image: &Image, ending: Ending) -> Option<&NamedResult> {
     match (ending.cause, &image.end) {
         (Cause::Result(k), CommandEnd::Results(results)) => results.get(k),
@@ -18,7 +18,7 @@ pub(super) fn result_of(image: &Image, ending: Ending) -> Option<&NamedResult> {
     }
 }
 
-/// Returns how a command ended.
+/// Converts the ending of a command to its form in the outcome of a run, with names and texts.
 pub(super) fn run_end(image: &Image, ending: Ending) -> RunEnd {
     let number = ending.error;
     match ending.cause {
@@ -60,12 +60,13 @@ fn result_end(result: Option<&NamedResult>, ending: Ending) -> RunEnd {
     }
 }
 
-/// Returns the description of a discontinuity, with the name of the actuator.
+/// Returns the description of a discontinuity of set-points, with the name of the actuator.
 pub(super) fn discontinuity_text(jump: &Discontinuity, cell: &Cell) -> String {
     actuator_discontinuity_text(jump, &actuator_name(jump.resource, cell))
 }
 
-/// Returns the description of a discontinuity of an actuator's set-point.
+/// Returns the description of a discontinuity of set-points: quantity, value and limit. `actuator` is the name of the
+/// actuator.
 #[must_use]
 pub fn actuator_discontinuity_text(jump: &Discontinuity, actuator: &str) -> String {
     let (what, unit) = match jump.quantity {
@@ -77,7 +78,8 @@ pub fn actuator_discontinuity_text(jump: &Discontinuity, actuator: &str) -> Stri
     format!("{what} of {actuator} would be {value:.4}{unit} where {limit:.4}{unit} is the limit")
 }
 
-/// Returns the display name of an actuator, for example `arm[2]`.
+/// Returns the display name of the actuator with this resource number: device name and index in the device, as in
+/// `arm[2]`.
 fn actuator_name(resource: u32, cell: &Cell) -> String {
     match cell.resource_owner(resource) {
         Some((device, own)) => format!("{device}[{own}]"),
@@ -129,7 +131,12 @@ pub fn fault_message(code: FaultCode, values: FaultValues) -> String {
             with_noun(length, "element")
         ),
         FaultValues::Range { value, from, to } => {
-            format!("the value {value} lies outside of its subrange from {from} to {to}")
+            let bounds = match (from, to) {
+                (from, i64::MAX) => format!("of integers from {from}"),
+                (i64::MIN, to) => format!("of integers up to {to}"),
+                (from, to) => format!("from {from} to {to}"),
+            };
+            format!("the value {value} lies outside of its subrange {bounds}")
         }
         FaultValues::Real { bits } => {
             format!("the real {:?} has no integer value", f64::from_bits(bits))
@@ -137,7 +144,29 @@ pub fn fault_message(code: FaultCode, values: FaultValues) -> String {
     }
 }
 
-/// Returns the text for a fault code.
+/// Returns the advice for the operation that caused a fault, if a program can avoid it; `operation` is its text.
+#[must_use]
+pub fn fault_advice(code: FaultCode, operation: &str) -> Option<String> {
+    let advice = match code {
+        FaultCode::DivisionByZero => format!(
+            "compute it only while the divisor is not 0: `if ... <> 0 then {operation} else ...`"
+        ),
+        FaultCode::IntegerOverflow => {
+            format!("limit the operands of `{operation}`, or compute in reals: `real x`")
+        }
+        FaultCode::LossyConversion => {
+            format!("limit the value before the conversion `{operation}`, and test it for NaN")
+        }
+        FaultCode::IndexOutOfRange => {
+            format!("limit the index in `{operation}` to the elements of the array")
+        }
+        FaultCode::OutsideSubrange => "limit the value to the subrange, or widen it".to_owned(),
+        _ => return None,
+    };
+    Some(advice)
+}
+
+/// Returns the description of a kind of fault, such as "integer division by zero".
 // Recordings contain this text and replays compare it, so a changed text makes old recordings with a fault differ.
 #[must_use]
 pub fn fault_text(code: FaultCode) -> &'static str {

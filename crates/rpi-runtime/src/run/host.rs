@@ -17,36 +17,38 @@ use super::samples::{Channel, SampleReceiver, Sink};
 use super::task_runner::{NotStartedError, Task, TaskCore};
 use crate::control::{Control, Event, InputValue, RequestError, Ticket};
 
-/// Maximum number of commands that the outcome lists. The limit bounds the memory of an endless task.
+/// Maximum number of commands that the outcome of a run lists. The limit bounds the memory of an endless task.
 const LISTED: usize = 1000;
 
-/// The part of a run outside the cycle: it runs the tasks, processes the events of the core and collects the outcome.
+/// The part of a run outside the cycle: it advances the tasks, processes the events of the core and collects the
+/// outcome.
 pub(super) struct Host<'a> {
     pub(super) context: TaskContext<'a>,
     pub(super) tasks: Vec<Task<&'a ExecutablePlan>>,
     pub(super) drain: SampleReceiver,
     pub(super) channels: Vec<Channel>,
     pub(super) command_log: CommandLog<'a>,
-    /// Last tick of which a sample has arrived.
+    /// Number of the last tick from which a sample has arrived.
     pub(super) last_tick: u64,
-    /// Recorder of the run, if any.
+    /// Recorder of the run; `None` if the run is not recorded.
     pub(super) recorder: Option<Box<dyn RunRecorder>>,
 }
 
-/// State that tasks need to load and start commands.
+/// State that the tasks of a run need to load and start commands.
 pub(super) struct TaskContext<'a> {
     pub(super) control: Control,
     pub(super) images: &'a [Arc<Image>],
     pub(super) cell: &'a Cell,
-    /// Input values for each image.
+    /// For each image, the values that the user gives for its inputs.
     pub(super) input_values: Vec<Vec<IndexedValue>>,
-    /// Number of the next tick.
+    /// Number of the next tick, which the cycle updates.
     pub(super) now: Arc<AtomicU64>,
-    /// Number of ticks after the start of a command after which its successors are scheduled.
+    /// Number of ticks to wait after the start of a command before its successors are scheduled. It simulates the time
+    /// that planning takes.
     pub(super) planning_ticks: u64,
-    /// Number of successors that were not yet scheduled when their predecessor ended.
+    /// Number of successors that were not yet scheduled when their predecessors ended.
     pub(super) late_successors: u64,
-    /// Number of late successors that could have taken over while the devices moved.
+    /// Number of these late successors that could have taken over while the devices moved.
     pub(super) missed_takeovers: u64,
 }
 
@@ -55,7 +57,7 @@ impl TaskContext<'_> {
         self.now.load(Ordering::Acquire)
     }
 
-    /// Loads a command and sets its input values.
+    /// Loads the command with this index in the list of images and sets the input values given by the user.
     pub(super) fn load(&mut self, index: usize) -> Result<CommandId, RequestError> {
         let id = self.control.load(Arc::clone(&self.images[index]))?;
         let setting = |(input, value): &IndexedValue| InputValue {
@@ -71,7 +73,7 @@ impl TaskContext<'_> {
     }
 }
 
-/// Adapter through which the tasks of a run use the control core.
+/// Adapter through which the tasks of a run use the control core and report to the command log.
 struct TaskCoreAdapter<'b, 'a> {
     context: &'b mut TaskContext<'a>,
     command_log: &'b mut CommandLog<'a>,
@@ -136,14 +138,14 @@ impl TaskCore for TaskCoreAdapter<'_, '_> {
     }
 }
 
-/// List of the commands of a run and how they ended, filled in during the run.
+/// Log of the commands of a run and of their ends, filled in during the run.
 pub(super) struct CommandLog<'a> {
     images: &'a [Arc<Image>],
     /// Commands in the order of their start, each with its id until it is freed.
     pub(super) commands: Vec<(Option<CommandId>, CommandEnd)>,
-    /// Number of earlier commands that were removed from the list.
+    /// Number of earlier commands that were removed from the log, because it was full.
     pub(super) unlisted: u64,
-    /// Name of the command that could not be loaded, with the load errors.
+    /// Name of the command that could not be loaded, with the load errors; `None` if there was no such command.
     pub(super) load_failure: Option<(String, Vec<LoadError>)>,
 }
 
@@ -175,7 +177,7 @@ impl<'a> CommandLog<'a> {
         self.commands.push((Some(id), end));
     }
 
-    /// Returns the list entry of a command.
+    /// Returns the log entry of a command; `None` if the command has none.
     fn entry_mut(&mut self, id: CommandId) -> Option<&mut CommandEnd> {
         let mut latest_first = self.commands.iter_mut().rev();
         let found = latest_first.find(|(known, _)| *known == Some(id));
@@ -189,7 +191,7 @@ impl<'a> CommandLog<'a> {
         }
     }
 
-    /// Records that a command left a device moving and that the device braked.
+    /// Records that the device with this name was moving when the command ended, and braked.
     fn add_braked(&mut self, id: CommandId, device: &str) {
         if let Some(command) = self.entry_mut(id)
             && !command.braked.iter().any(|known| known == device)
@@ -198,7 +200,7 @@ impl<'a> CommandLog<'a> {
         }
     }
 
-    /// Records the overruns of a command.
+    /// Records the number of overruns of a command and the worst one.
     pub(super) fn set_overruns(&mut self, id: CommandId, overruns: &OverrunStats) {
         let images = self.images;
         let (Some(command), Some(worst)) = (self.entry_mut(id), overruns.worst) else {
@@ -215,7 +217,7 @@ impl<'a> CommandLog<'a> {
         });
     }
 
-    /// Records that the task handles the error with which the command ended.
+    /// Records that a branch of the task handles the error with which the command ended.
     fn set_handled(&mut self, id: CommandId) {
         if let Some(command) = self.entry_mut(id) {
             command.handled = true;
@@ -230,7 +232,8 @@ impl<'a> CommandLog<'a> {
         }
     }
 
-    /// Records that a command could not be loaded.
+    /// Records that a command could not be loaded. `indices` are positions in the list of images; the first one is
+    /// reported.
     pub(super) fn set_load_failure(&mut self, indices: &[usize], faults: Vec<LoadError>) {
         let name = indices
             .first()
@@ -238,7 +241,7 @@ impl<'a> CommandLog<'a> {
         self.load_failure = name.map(|name| (name, faults));
     }
 
-    /// Records that a command could not be started.
+    /// Records that the command with this index in the list of images could not be started, for the reason `why`.
     pub(super) fn add_refused(&mut self, index: usize, why: String) {
         let end = CommandEnd {
             name: self.images[index].name.clone(),

@@ -5,16 +5,17 @@ use std::str::FromStr;
 
 use rpi_image::Image;
 
-/// Value that the user gives for an input of a command, as text.
+/// Value that the user gives for an input of a command, as a key and a text.
 #[derive(Clone, PartialEq, Eq, Debug)]
 pub struct InputSetting {
-    /// Key by which the image names the input: the name of a parameter or of a value from the predecessor.
+    /// Key of the input in the image: the name of a parameter, or of a value that the command takes from its
+    /// predecessor.
     pub key: String,
-    /// Text of the value.
+    /// Text form of the value, a literal of the input's type.
     pub value: String,
 }
 
-/// Error: the text is not `key=value`.
+/// Error: a text on the command line does not have the form `key=value`.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub struct ParseInputSettingError;
 
@@ -38,19 +39,19 @@ impl FromStr for InputSetting {
     }
 }
 
-/// Error: a value for an input cannot be applied.
+/// Error: a value that the user gives for an input cannot be applied.
 #[derive(Clone, PartialEq, Eq, Debug)]
 pub enum InputSettingError {
-    /// No command has an input with this key.
+    /// No command of the run has an input with this key.
     UndefinedInput {
-        /// Key that the user has given.
+        /// Key of the input that the user has given.
         key: String,
-        /// Names of all inputs that the image has.
+        /// Keys of all inputs of the run's commands.
         known: Vec<String>,
     },
     /// The text is not a valid value of the input's type.
     InvalidValue {
-        /// Name of the input in the image.
+        /// Key of the input that the user has given.
         key: String,
         /// Description of the error.
         message: String,
@@ -77,11 +78,13 @@ impl fmt::Display for InputSettingError {
 
 impl std::error::Error for InputSettingError {}
 
-/// Index of an input in its image, and the slots of the value for it.
+/// Index of an input in its image, and the memory slots of the value for it.
 pub(super) type IndexedValue = (usize, Vec<u64>);
 
-/// Returns for each image the inputs that the settings name, as index and value. Fails on an unknown name or a value of
-/// another type.
+/// Converts the values that the user gives for inputs. Returns for each image a list of input indices and values.
+///
+/// # Errors
+/// If no image has an input with a given key, or a value has the wrong type.
 pub(super) fn resolve(
     settings: &[InputSetting],
     images: &[&Image],

@@ -8,7 +8,7 @@ use std::time::Duration;
 
 use rpi_core::{Continuity, LoadError, MotionControls};
 use rpi_image::Image;
-use rpi_sim::Cell;
+use rpi_sim::{Cell, OpenError};
 
 use super::budget_check::RunBudget;
 use super::inputs::{InputSetting, InputSettingError};
@@ -21,85 +21,89 @@ use super::setup::setup;
 use crate::control::BudgetExceededError;
 use crate::realtime::{RealTime, TimeBase};
 
-/// Callback that shows the progress of a run: the running command and the elapsed time.
+/// Callback that shows the progress of a run: the command that started last, and the elapsed time of the run.
 pub type Progress<'a> = dyn FnMut(&CommandEnd, Duration) + 'a;
 
 /// Description of a run: commands, tasks, cell, time base and policies.
 pub struct RunOptions<'a> {
-    /// Images of the commands. All have the same period, which is the tick length.
+    /// Images of the commands that the plans refer to by index. All have the same period, which is the tick length.
     pub images: &'a [Arc<Image>],
-    /// Plans of the tasks, which run in parallel on separate devices.
+    /// Plans of the tasks, which run in parallel with separate devices.
     pub plans: &'a [ExecutablePlan],
-    /// Cell with the devices.
+    /// Devices, simulated or real, that the commands of the run may use.
     pub cell: &'a Cell,
-    /// Time base of the ticks.
+    /// Whether ticks follow one another at once (simulated time) or by the clock (real time).
     pub time_base: TimeBase,
-    /// Options for real time.
+    /// Real-time options for the cycle thread, and policies for overruns (ticks that end after the next one was due).
     pub real_time: RealTime,
-    /// Policy for a takeover with a discontinuity.
+    /// Policy for a takeover in which the first set-points do not continue those of the predecessor.
     pub continuity: Continuity,
-    /// Time budget of the commands in a tick; `None` disables the check.
+    /// Time budget of all commands together in a tick; `None` disables the check.
     pub budget: Option<RunBudget<'a>>,
-    /// Override and pause of all motions during the run.
+    /// Speed override (a factor from 0 to 1) and pause of all motions during the run.
     pub controls: MotionControls,
-    /// Limits of the run.
+    /// Maximum length of the run, and simulated planning time.
     pub limits: Limits,
     /// Flag that ends the run as soon as it is set to true.
     pub interrupted: Arc<AtomicBool>,
     /// Flag that causes an emergency stop as soon as it is set to true.
     pub emergency: Arc<AtomicBool>,
-    /// Values that the user gives for inputs of the commands.
+    /// Values that the user gives for inputs of the commands, as texts.
     pub settings: &'a [InputSetting],
-    /// Recording of the run, if requested.
+    /// Recording of the run, not started yet; `None` if the run is not recorded.
     pub recording: Option<Box<dyn StartRecording>>,
-    /// Receiver of the samples.
+    /// Receiver of the sampled values of the run's flows.
     pub sink: &'a mut dyn Sink,
-    /// Callback that shows the progress, if any.
+    /// Callback that shows the progress of the run to the user, if there is one.
     pub progress: Option<&'a mut Progress<'a>>,
 }
 
-/// Limits of a run and simulated planning time.
+/// Maximum length of a run, and simulated planning time.
 #[derive(Clone, Copy, PartialEq, Eq, Debug, Default)]
 pub struct Limits {
-    /// Number of ticks after which the running commands are stopped; `None` for no limit.
+    /// Number of ticks after which the running commands are aborted; `None` for no limit.
     pub ticks: Option<u64>,
     /// Delay in nanoseconds between the start of a command and the scheduling of its successors. It simulates the time
     /// of planning.
     pub planning_ns: u64,
 }
 
-/// Maximum number of load errors that are printed per command. A device of the wrong kind lacks every port.
+/// Maximum number of load errors that are printed per command. A device of the wrong kind lacks every port, so that the
+/// errors can be many.
 const MAX_FAULTS: usize = 8;
 
 /// Error that prevents a run, or ends it before it is complete.
 #[derive(Debug)]
 pub enum RunError {
-    /// There are no commands.
+    /// The program contains no command and no task that could be run.
     NoCommands,
-    /// The commands have different periods.
+    /// The commands have different periods, although all commands of a run need the same one.
     DifferentPeriods,
-    /// A task does not handle a result of a command, or handles a result that does not exist.
+    /// A task does not handle a result of a command, or handles a result that the command does not have.
     Plan(PlanError),
     /// The cycle thread cannot be created, or ended unexpectedly.
     Thread(io::Error),
     /// The recording cannot be written.
     Recording(io::Error),
-    /// The commands exceed the time budget of a tick.
+    /// A command, or the commands that may run in parallel, exceed the time budget of a tick.
     BudgetExceeded {
         /// Name of the command, or the set of parallel commands.
         what: String,
-        /// Required and available time in the tick.
+        /// Time that the commands need in a tick, and time that they may use.
         why: BudgetExceededError,
     },
-    /// A setting cannot be applied.
+    /// A device cannot be connected to its controller.
+    Device(OpenError),
+    /// A value that the user gives for an input cannot be applied.
     Setting(InputSettingError),
-    /// A command cannot run in the cell.
+    /// A command cannot run with the devices of the cell.
     Load {
         /// Name of the command that cannot run.
         command: String,
         /// All load errors of the command.
         faults: Vec<LoadError>,
-        /// Names of the devices in the cell.
+        /// Names of the devices in the cell, for the message about an unknown device; empty if no device name is
+        /// unknown.
         devices: Vec<String>,
     },
 }
@@ -113,6 +117,7 @@ impl fmt::Display for RunError {
             RunError::Thread(error) => write!(f, "cycle thread error: {error}"),
             RunError::Recording(error) => write!(f, "cannot write the recording: {error}"),
             RunError::BudgetExceeded { what, why } => f.write_str(&why.message(what)),
+            RunError::Device(error) => write!(f, "{error}"),
             RunError::Setting(bad) => write!(f, "{bad}"),
             RunError::Load {
                 command,
@@ -146,7 +151,7 @@ fn devices_text(devices: &[String]) -> String {
 
 impl std::error::Error for RunError {}
 
-/// Runs commands until the last one has ended or the run is cut off.
+/// Runs commands until the last one has ended, the limit is reached, or the user interrupts the run.
 ///
 /// # Errors
 /// Returns an error if the run cannot begin, or if a command cannot be loaded later. Faults and errors of commands are
@@ -170,7 +175,7 @@ pub fn run(mut job: RunOptions<'_>) -> Result<Outcome, RunError> {
     }
 }
 
-/// Returns the period that all commands of a run have in common, ns. Commands with other periods are an error.
+/// Returns the period in nanoseconds that all commands of a run have in common. Different periods are an error.
 fn common_period(images: &[Arc<Image>]) -> Result<u64, RunError> {
     let period = images.first().ok_or(RunError::NoCommands)?.period_ns;
     match images.iter().all(|image| image.period_ns == period) {

@@ -19,6 +19,7 @@ mod job;
 mod outcome;
 mod plan;
 mod plan_cursor;
+mod plan_verify;
 mod print;
 mod probe;
 mod recorder;
@@ -31,7 +32,9 @@ pub(crate) use print::format_duration as time_text;
 
 pub use budget_check::RunBudget;
 pub use collector::TickCollector;
-pub use end_text::{abort_text, actuator_discontinuity_text, fault_message, fault_text};
+pub use end_text::{
+    abort_text, actuator_discontinuity_text, fault_advice, fault_message, fault_text,
+};
 pub use inputs::{InputSetting, InputSettingError, ParseInputSettingError};
 pub use job::{Limits, Progress, RunError, RunOptions, run};
 pub use outcome::{
@@ -40,6 +43,7 @@ pub use outcome::{
 pub use plan::{ExecutablePlan, Node, PlanError};
 pub use probe::FlowProbe;
 pub use recorder::{Recorded, RecordingStats, RunRecorder, StartRecording};
+pub(crate) use run_loop::SERVE_PERIOD;
 pub use samples::{Channel, Sink, SinkList, Source};
 pub use setup::sampled_flows;
 pub use task_runner::{NotStartedError, Task, TaskCore, TaskEnd};

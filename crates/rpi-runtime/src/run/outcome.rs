@@ -8,53 +8,57 @@ use serde::Serialize;
 use super::recorder::RecordingStats;
 use crate::realtime::TimingStats;
 
-/// What a run of commands or a task leaves: how it ended, its timing and its records.
+/// Outcome of a run of commands or tasks: how the commands ended, the timing of the ticks, and the state of the
+/// devices.
 #[derive(Clone, PartialEq, Debug, Serialize)]
 pub struct Outcome {
-    /// Commands in the order of their start.
+    /// Commands that were started or refused, in the order of their start.
     pub commands: Vec<CommandEnd>,
-    /// Number of earlier commands that are no longer listed.
+    /// Number of earlier commands that are not in `commands`, because only the latest ones are listed.
     pub unlisted: u64,
-    /// Number of successors that were not scheduled when their predecessor ended, and therefore started with a delay.
+    /// Number of successors that were not scheduled when their predecessors ended, and therefore started late.
     pub late: u64,
-    /// Number of late successors that could have taken over while the devices moved.
+    /// Number of late successors that could have taken over while the devices moved, if they had been scheduled in
+    /// time.
     pub missed: u64,
-    /// Devices in the order of the cell.
+    /// Final states of the devices, in the order of the cell.
     pub devices: Vec<DeviceEnd>,
-    /// Timing statistics of the cycles.
+    /// Timing statistics of the ticks.
     pub figures: TimingStats,
     /// Tick length in nanoseconds.
     pub tick_ns: u64,
-    /// True if the run was cut off at its time limit or by the user.
+    /// Whether the run ended at its limit or because the user interrupted it, before all commands had ended.
     pub cut_off: bool,
-    /// Reason for a forced stop of all commands, for example an emergency stop.
+    /// Reason for which all commands were aborted, for example an emergency stop; `None` if they were not.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub stopped: Option<String>,
-    /// Result of each request to the operating system for real-time resources, as text.
+    /// For each requested real-time resource, such as a priority, a text that says whether the operating system granted
+    /// it.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub grants: Vec<String>,
-    /// Hash of all device values as text, if requested.
+    /// Hash of all sampled device values as text; `None` if it was not requested.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub digest: Option<String>,
-    /// Statistics of the recording, if any.
+    /// Statistics of the recording; `None` if the run was not recorded, or not completely.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub recorded: Option<RecordingStats>,
-    /// Error that made the recording incomplete, for example a full disk. The run continued without it.
+    /// Error that made the recording incomplete, for example a full disk; `None` if there was none. The run continued
+    /// without the recording.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub unrecorded: Option<String>,
-    /// Number of samples lost because the sink could not keep up.
+    /// Number of samples that were lost because their receiver could not keep up.
     pub samples_lost: u64,
 }
 
-/// Overall result of a run.
+/// Overall result of a run, from best to worst.
 #[derive(Clone, Copy, PartialEq, Eq, Debug, Serialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Status {
-    /// The run had no error.
+    /// No command ended with an unhandled error or a fault, and no set-point was rejected.
     Good,
-    /// A command ended with its own error.
+    /// A command ended with an error of its program that its task does not handle.
     CommandError,
-    /// A command ended with a fault, could not be started, or was stopped.
+    /// A command ended with a fault, could not be started, or was aborted, or a set-point was rejected.
     Fault,
 }
 
@@ -63,42 +67,45 @@ pub enum Status {
 pub struct CommandEnd {
     /// Name of the command.
     pub name: String,
-    /// Tick of the first cycle, from 0; `None` if the command never started.
+    /// Number of the tick of the first cycle, from 0; `None` if the command never started.
     pub first_tick: Option<u64>,
-    /// Number of executed cycles.
+    /// Number of cycles that the command has run.
     pub cycles: u64,
-    /// How the command ended.
+    /// How the command ended: with a result, an error, a fault or an abort.
     pub end: RunEnd,
-    /// Devices that still moved when the command ended and were not taken over. They braked on their own.
+    /// Names of the devices that were moving when the command ended and were not taken over. They braked within their
+    /// own limits.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub braked: Vec<String>,
-    /// True if the command ended with an error that a branch of its task handles.
+    /// Whether the command ended with an error that a branch of its task handles.
     #[serde(skip_serializing_if = "std::ops::Not::not")]
     pub handled: bool,
-    /// Description of the discontinuity at the takeover, if any.
+    /// Description of the discontinuity of the set-points at the takeover by the command; `None` if there was none.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub jump: Option<String>,
-    /// Overruns attributed to the command, if any; only on real time.
+    /// Overruns (ticks that ended after the next one was due) attributed to the command; `None` if there were none or
+    /// time was not real.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub overruns: Option<CommandOverruns>,
 }
 
-/// Number of overruns attributed to one command, with the worst of them.
+/// Overruns (ticks that ended after the next one was due) attributed to one command: their number and the worst one.
 #[derive(Clone, PartialEq, Eq, Debug, Serialize)]
 pub struct CommandOverruns {
     /// Number of overruns.
     pub count: u64,
-    /// Tick of the worst overrun, from 0.
+    /// Number of the tick of the worst overrun, from 0.
     pub tick: u64,
-    /// Computing time of the command in that tick, nanoseconds.
+    /// Time in nanoseconds that the command took in the tick of the worst overrun.
     pub took_ns: u64,
-    /// Time by which that tick ended too late, nanoseconds.
+    /// Time in nanoseconds by which the tick of the worst overrun ended after the next one was due.
     pub late_ns: u64,
-    /// Path of the fragment with the most work; empty for the command itself.
+    /// Path of the command's fragment with the most work in the tick of the worst overrun; empty for the command
+    /// itself.
     pub fragment: String,
 }
 
-/// How a command of a run ended: by a result, an error or an abort.
+/// How a command of a run ended: with a result, an error, a fault or an abort.
 #[derive(Clone, PartialEq, Eq, Debug, Serialize)]
 #[serde(rename_all = "kebab-case", tag = "how")]
 pub enum RunEnd {
@@ -106,62 +113,64 @@ pub enum RunEnd {
     Result {
         /// Name of the result.
         name: String,
-        /// True if the command ended in motion and its successor took over.
+        /// Whether the command ended in motion and its successor took over the moving devices.
         moving: bool,
     },
-    /// The command ended by its port `outTerminate`, without an error.
+    /// The net ended by its port `outTerminate`, without an error.
     Terminated,
     /// The command ended with an error.
     Error {
-        /// Error number.
+        /// Error number of the command; 0 stands for no error and does not occur here.
         number: i64,
-        /// Name of the result, if it has one.
+        /// Name of the result with which the command ended; `None` if it ended by a port, without a named result.
         name: Option<String>,
     },
-    /// The command ended with a fault.
+    /// The command ended with a fault: an error at run time in one of its cycles.
     Fault {
-        /// Description of the fault.
+        /// Description of the fault, with the values that caused it.
         what: String,
-        /// Path of the node that raised the fault.
+        /// Path of the node that raised the fault; empty if unknown.
         place: String,
-        /// Source location, `file:line:column`. The runtime does not know source texts and leaves it empty.
+        /// Position of the fault in the source, `file:line:column`. The runtime leaves it `None`, because it has no
+        /// source texts; the caller may fill it in.
         #[serde(skip_serializing_if = "Option::is_none")]
         at: Option<String>,
-        /// Cycle and node of the fault.
+        /// Cycle and node in which the fault was raised.
         #[serde(skip)]
         origin: Box<FaultOrigin>,
     },
-    /// The command was cut off at the limit of the run or by the user.
+    /// The command was aborted on request, at the limit of the run or by the user, or stopped by a rule.
     CutOff,
-    /// The command was aborted for another reason.
+    /// The command was aborted for another reason than a request.
     Stopped {
         /// Reason of the abort as text, for example an emergency stop.
         why: String,
     },
-    /// The core refused to start the command.
+    /// The core refused to start the command, so that it never ran.
     Refused {
         /// Reason of the refusal as text.
         why: String,
     },
 }
 
-/// Cycle and node in which a fault was raised.
+/// Cycle and node in which a fault of a command was raised.
 #[derive(Clone, PartialEq, Eq, Debug)]
 pub struct FaultOrigin {
-    /// Cause of the fault.
+    /// Kind of the fault, such as a division by zero.
     pub code: FaultCode,
-    /// Values that caused the fault.
+    /// Values that caused the fault, such as an index and the length of the array.
     pub values: FaultValues,
-    /// Number of the faulty cycle of the command, from 0.
+    /// Number of the command's cycle in which the fault was raised, from 0.
     pub cycle: u64,
     /// Name of the flow that the node computes, or the path of the node; `None` if the node is unknown.
     pub flow: Option<String>,
-    /// Source range of the node, if known.
+    /// Source range of the node as byte offsets in a file; `None` if it is unknown.
     pub text: Option<TextRange>,
 }
 
 impl FaultOrigin {
-    /// Returns the origin of a fault that an image raised in a cycle.
+    /// Returns the origin of a fault that was raised in a cycle of the image. `cycle` is the number of the cycle, from
+    /// 0.
     #[must_use]
     pub fn of(image: &Image, fault: Fault, cycle: u64) -> FaultOrigin {
         let place = image.location_of(fault.slot);
@@ -175,44 +184,44 @@ impl FaultOrigin {
     }
 }
 
-/// Final state of a device.
+/// State of a device at the end of a run.
 #[derive(Clone, PartialEq, Debug, Serialize)]
 pub struct DeviceEnd {
     /// Name of the device.
     pub name: String,
-    /// Keyword of the device's state; `ok` if the device has no error.
+    /// Keyword of the device's error; `ok` if the device has none.
     pub condition: String,
-    /// True if the device still moves.
+    /// Whether the device still moves at the end of the run.
     pub moving: bool,
-    /// Problems reported by the device, one entry per kind and axis.
+    /// Problems reported by the device during the run, one entry per kind and axis.
     pub troubles: Vec<DeviceProblem>,
 }
 
-/// A problem reported by a device.
+/// A problem that a device has reported during a run, such as a set-point beyond a limit.
 #[derive(Clone, PartialEq, Debug, Serialize)]
 pub struct DeviceProblem {
-    /// Keyword of the problem, such as that of an exceeded limit.
+    /// Keyword of the kind of problem, such as that of an exceeded limit.
     pub what: String,
-    /// Whether a set-point was rejected; false if the device itself failed.
+    /// Whether the device rejected a set-point; false if the device itself failed.
     #[serde(skip)]
     pub is_refusal: bool,
-    /// Whether `value` is a place on a path and `limit` the length of the path, in m.
+    /// Whether `value` is a position along a path and `limit` the length of the path, both in m.
     #[serde(skip)]
     pub is_on_path: bool,
     /// Index of the axis, from 0; `None` if the problem concerns the whole device.
     pub axis: Option<usize>,
-    /// Number of occurrences.
+    /// Number of times that the problem was reported.
     pub times: u64,
-    /// Time of the first occurrence, in seconds of the cell's clock.
+    /// Time of the first report, in seconds since the start of the run.
     pub first: f64,
-    /// Value of the rejected quantity at the first occurrence, in SI units.
+    /// Value of the rejected quantity in the first report, in SI units.
     pub value: f64,
-    /// Violated limit, in SI units; 0 if there is none.
+    /// Limit that the value exceeds, in SI units; 0 if there is none.
     pub limit: f64,
 }
 
 impl RunEnd {
-    /// Returns the result of a run in which this is the only ended command.
+    /// Returns the overall result of a run in which only this command has ended.
     #[must_use]
     pub fn status(&self) -> Status {
         match self {
@@ -224,10 +233,10 @@ impl RunEnd {
 }
 
 impl Outcome {
-    /// Returns the overall result: the worst status of all commands, except for handled errors.
+    /// Returns the overall result of the run: the worst one of all commands, except for handled errors.
     ///
-    /// A forced stop counts as a fault, whether or not a command was running. A refused set-point also counts as a
-    /// fault unless a command that was running then ended with an error or fault.
+    /// An abort of all commands counts as a fault, even if no command was running. A rejected set-point also counts as
+    /// a fault unless a command that was running then ended with an error or fault.
     #[must_use]
     pub fn status(&self) -> Status {
         let troubles = self.devices.iter().flat_map(|device| &device.troubles);
@@ -242,7 +251,7 @@ impl Outcome {
     }
 
     /// Returns true if a command that was running when a device rejected a set-point ended with an error or fault.
-    /// Returns true as well if there are unlisted commands, because nothing is known about them.
+    /// Returns true as well if commands are missing from the list, because nothing is known about them.
     fn is_handled_by_command(&self, error: &DeviceProblem) -> bool {
         let tick = error.first * 1e9 / self.tick_ns as f64;
         let ran = |command: &CommandEnd| {

@@ -7,35 +7,42 @@ use rpi_image::Image;
 use rpi_image::image::{CommandEnd, CommandEndKind};
 use rpi_image::plan::Target;
 
-/// Node of a plan in which commands are indices into a list of images.
-pub type Node = rpi_image::plan::PlanNode<usize>;
+use super::plan_verify;
 
-/// Plan of a task, as a graph of nodes.
+/// Node of a plan of a task. The node refers to its command by index in a list of images.
+pub type Node = rpi_image::plan::IndexedNode;
+
+/// Plan of a task that can be executed: a graph of nodes, which says which command follows which result.
 #[derive(Clone, PartialEq, Eq, Debug, Default)]
 pub struct ExecutablePlan {
     /// Nodes of the plan. Targets are indices into this list.
     pub nodes: Vec<Node>,
-    /// First node.
+    /// Index of the first node; `None` for a plan without commands.
     pub start: Target,
 }
 
-/// Error of a plan that does not fit the results of its commands.
+/// Error: a plan does not fit the results of its commands.
 #[derive(Clone, PartialEq, Eq, Debug)]
 pub enum PlanError {
     /// The plan has a branch for a result that the command does not have.
     UnknownResult {
-        /// Name of the command.
+        /// Name of the command that lacks the result.
         command: String,
         /// Name of the result that does not exist.
         result: String,
     },
     /// The plan does not handle a result of the command.
     UnhandledResult {
-        /// Name of the command.
+        /// Name of the command with the unhandled result.
         command: String,
         /// Name of the result without a branch.
         result: String,
     },
+    /// The node with this index, or the start if there is no such node, refers to a node or command that does not exist
+    /// or is of another kind.
+    InvalidNode(usize),
+    /// Parallel branches are not nested, or nested too deeply.
+    InvalidNesting,
 }
 
 impl fmt::Display for PlanError {
@@ -47,6 +54,10 @@ impl fmt::Display for PlanError {
             PlanError::UnhandledResult { command, result } => {
                 write!(f, "result `{result}` of `{command}` is not handled")
             }
+            PlanError::InvalidNode(node) => write!(f, "invalid plan: node {node}"),
+            PlanError::InvalidNesting => {
+                f.write_str("invalid plan: parallel branches are not nested, or too deeply")
+            }
         }
     }
 }
@@ -54,7 +65,7 @@ impl fmt::Display for PlanError {
 impl std::error::Error for PlanError {}
 
 impl ExecutablePlan {
-    /// Returns a plan that runs one command once.
+    /// Returns a plan that runs the command with this index in the list of images once.
     #[must_use]
     pub fn once(command: usize) -> ExecutablePlan {
         let node = Node::Run {
@@ -69,7 +80,8 @@ impl ExecutablePlan {
         }
     }
 
-    /// Returns the worst-case time of the plan's commands in one tick. `of` holds the worst-case time of each command.
+    /// Returns the worst-case time of the plan's commands in one tick, in nanoseconds. `of` holds the worst-case time
+    /// of each command.
     ///
     /// A branch runs one command at a time, and no command while its own parallel branches run.
     pub(super) fn worst_case_ns(&self, of: &[u64]) -> u64 {
@@ -98,8 +110,8 @@ impl ExecutablePlan {
         most
     }
 
-    /// Adds the nodes that may follow a node within its branch.
-    fn push_successors(&self, at: usize, next: &mut Vec<usize>) {
+    /// Adds to `next` the indices of the nodes that may follow the node `at` within its branch.
+    pub(super) fn push_successors(&self, at: usize, next: &mut Vec<usize>) {
         match &self.nodes[at] {
             Node::Goto(then) => next.extend(*then),
             Node::EnterLoop(repeat) => next.push(*repeat),
@@ -127,11 +139,13 @@ impl ExecutablePlan {
         }
     }
 
-    /// Checks that every result of every command is handled.
+    /// Checks that all indices of the plan are valid and that every result of every command is handled.
     ///
     /// # Errors
-    /// Returns an error that names the command and the unhandled or unknown result.
+    /// If the plan is invalid, or handles a result that the command does not have or not every result that it has. The
+    /// error names the command and the result.
     pub fn check(&self, images: &[Arc<Image>]) -> Result<(), PlanError> {
+        plan_verify::verify(self, images.len())?;
         self.nodes.iter().try_for_each(|node| match node {
             Node::Run {
                 command,
@@ -144,8 +158,8 @@ impl ExecutablePlan {
     }
 }
 
-/// Checks that `on` names results of the command only, and that the plan handles every regular result: by name, or by
-/// its default if `has_default`.
+/// Checks that `on`, the next node for each result handled by name, names only results of the command, and that the
+/// plan handles every result without an error: by name, or by its default if `has_default`.
 fn check_results(
     image: &Image,
     on: &[(String, Target)],

@@ -6,7 +6,7 @@ use rpi_image::image::{CommandEnd, CommandEndKind};
 use super::plan::{ExecutablePlan, Node};
 use rpi_image::plan::Target;
 
-/// Position in a plan: a node, and the iteration count of each loop around it.
+/// Position in the plan of a task: the index of a node, and the iteration count of each loop around the node.
 #[derive(Clone, PartialEq, Eq, Debug)]
 pub(super) struct PlanCursor {
     node: usize,
@@ -16,50 +16,50 @@ pub(super) struct PlanCursor {
 /// Next step of a task according to its plan.
 #[derive(Clone, PartialEq, Eq, Debug)]
 pub(super) enum NextStep {
-    /// Run the command at this position.
+    /// Run the command at this position of the plan.
     Run(PlanCursor),
-    /// Run several branches in parallel.
+    /// Run several branches of the plan in parallel.
     Parallel {
-        /// Node with the branches.
+        /// Position of the parallel node with the branches.
         at: PlanCursor,
         /// First step of each branch; [`NextStep::Joined`] for an empty branch.
         branches: Vec<NextStep>,
     },
-    /// The branch has ended and waits until the others have ended.
+    /// The parallel branch has ended. It waits until its sibling branches have ended.
     Joined,
-    /// Leave the parallel branches because of an error, through this exit.
+    /// Leave all sibling branches because of an error in one of them; the value says where the plan continues.
     Exited(BranchExit),
-    /// The task has finished.
+    /// The task has ended without an error.
     Done,
-    /// End the task with the error of the command.
+    /// End the task with the error of its latest command, because the plan does not handle the error.
     Error,
 }
 
-/// Way in which an error leaves parallel branches: where the plan continues.
+/// Exit from parallel branches because of an error in one of them: where the plan continues.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub(super) enum BranchExit {
-    /// The task ends with the error of the command.
+    /// The task ends with the error of the command in the branch.
     Error,
-    /// The branches of the node with this index end, and the plan continues at the target.
+    /// The branches of the parallel node with this index end, and the plan continues at the target.
     To(usize, Target),
 }
 
-/// Results of a command, by index, that lead to the same next step.
+/// Results of a command, by index in its image, that lead to the same next step of the plan.
 #[derive(Clone, PartialEq, Eq, Default, Debug)]
 pub(super) struct ResultSet {
-    /// Results without an error.
+    /// Indices of the results without an error.
     pub(super) regular: Vec<u32>,
-    /// Results with an error.
+    /// Indices of the results with an error.
     pub(super) failing: Vec<u32>,
 }
 
 impl ExecutablePlan {
-    /// Returns the first step of the plan.
+    /// Returns the first step of the plan: its first command or parallel branches.
     pub(super) fn first(&self) -> NextStep {
         self.resolve_target(self.start, vec![0; self.nodes.len()])
     }
 
-    /// Returns the command at a position.
+    /// Returns the index of the command at a position of the plan.
     pub(super) fn command(&self, cursor: &PlanCursor) -> usize {
         match &self.nodes[cursor.node] {
             Node::Run { command, .. } => *command,
@@ -67,8 +67,8 @@ impl ExecutablePlan {
         }
     }
 
-    /// Returns the step that follows when the command at `cursor` ends with the given result; `None` stands for an end
-    /// by its port.
+    /// Returns the step of the plan that follows when the command at `cursor` ends with the given result: its name and
+    /// kind. `None` stands for an end without a named result.
     pub(super) fn next_after(
         &self,
         cursor: &PlanCursor,
@@ -96,7 +96,7 @@ impl ExecutablePlan {
         }
     }
 
-    /// Returns the step that follows once all branches of a parallel node have ended.
+    /// Returns the step of the plan that follows once all branches of the parallel node at `split` have ended.
     pub(super) fn after_join(&self, split: &PlanCursor) -> NextStep {
         match &self.nodes[split.node] {
             Node::Parallel { then, .. } => self.resolve_target(*then, split.counts.clone()),
@@ -104,8 +104,8 @@ impl ExecutablePlan {
         }
     }
 
-    /// Returns the step that follows after parallel branches were left through this exit; `None` if the exit belongs to
-    /// an outer node.
+    /// Returns the step of the plan that follows after the branches of the parallel node at `split` were left through
+    /// this exit; `None` if the exit belongs to an outer parallel node or ends the task.
     pub(super) fn after_exit(&self, split: &PlanCursor, exit: BranchExit) -> Option<NextStep> {
         match exit {
             BranchExit::To(node, then) if node == split.node => {
@@ -115,7 +115,8 @@ impl ExecutablePlan {
         }
     }
 
-    /// Returns all possible next steps after a command, each with the results that lead to it.
+    /// Returns all steps of the plan that may follow the command at `cursor`, each with the results that lead to it.
+    /// `image` is that of the command.
     pub(super) fn possible_next(
         &self,
         cursor: &PlanCursor,
@@ -143,7 +144,8 @@ impl ExecutablePlan {
         all
     }
 
-    /// Returns the next step from a target on: follows jumps and loops to the next command or parallel node.
+    /// Follows the jumps and loops of the plan from the node `from` to the next command or parallel node and returns
+    /// that step. `counts` holds the iteration count of each loop, by node index.
     fn resolve_target(&self, from: Target, mut counts: Vec<u64>) -> NextStep {
         let mut at = from;
         // Repetitions of which an empty iteration was found. All further iterations of them are empty as well.

@@ -43,7 +43,7 @@ impl fmt::Display for Outcome {
 }
 
 impl Outcome {
-    /// Prints the timing statistics.
+    /// Prints the durations, delays and overruns of the ticks.
     fn timing(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         writeln!(f, "cycle time  {}", self.figures.tick)?;
         if let Some(lateness) = &self.figures.lateness {
@@ -64,7 +64,7 @@ impl Outcome {
         Ok(())
     }
 
-    /// Prints the digest of the device values and the statistics of the recording.
+    /// Prints the digest of the device values and the statistics of the recording, if there are any.
     fn written(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         if let Some(digest) = &self.digest {
             writeln!(f, "digest      {digest}")?;
@@ -174,7 +174,7 @@ impl fmt::Display for Percentiles {
     }
 }
 
-/// Formats a duration with three significant digits.
+/// Formats a duration in nanoseconds with three significant digits and a unit, as in `1.25 ms`.
 pub(crate) fn format_duration(nanos: u64) -> String {
     let (value, unit) = match nanos {
         0..1_000 => return format!("{nanos} ns"),

@@ -9,20 +9,21 @@ use rpi_image::image::Signal;
 use super::setup::sampled_flows;
 use crate::tick_log::{EntryBuffer, EntryKind};
 
-/// Capacity in words of the values observed in one tick.
+/// Capacity in 64-bit words of the buffer for the values that are recorded in one tick.
 const CAPACITY: usize = 1 << 16;
 
-/// Image and its recorded flows, each with the index of its fragment.
+/// Image of a command, and its recorded flows: place and type of each in memory, and the index of its fragment.
 type RecordedFlows = (Arc<Image>, Box<[(Signal, u32)]>);
 
-/// Probe that records the flows of commands at the end of their cycles.
+/// Probe that records the exact values of commands' flows at the end of each cycle, for the tick log.
 pub struct FlowProbe {
     images: Vec<RecordedFlows>,
     stage: EntryBuffer,
 }
 
 impl FlowProbe {
-    /// Creates a probe for these images. Of other images, the exports are recorded.
+    /// Creates a probe that records the sampled flows of these images. Commands with other images are recorded with
+    /// their exports.
     #[must_use]
     pub fn new(images: &[Arc<Image>]) -> FlowProbe {
         let flows = |image: &Arc<Image>| {
@@ -41,7 +42,7 @@ impl FlowProbe {
         self.stage.clear();
     }
 
-    /// Returns the values observed in this tick.
+    /// Returns the buffer with the values recorded in this tick.
     #[must_use]
     pub fn stage(&self) -> &EntryBuffer {
         &self.stage
@@ -52,7 +53,8 @@ impl FlowProbe {
         self.stage.push(EntryKind::Overrun, 0, false, &[&[late_ns]]);
     }
 
-    /// Records the value of a device port after the tick.
+    /// Records the value of a device port after the tick. `channel` is the index of the port among the sampled ones;
+    /// `value` is `None` if there is no sample.
     pub(super) fn sample(&mut self, channel: usize, value: Option<&[u64]>) {
         // There are fewer than 2^32 ports.
         let (key, cells) = (channel as u32, value.unwrap_or(&[]));

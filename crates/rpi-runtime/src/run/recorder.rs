@@ -10,22 +10,22 @@ use super::samples::Channel;
 use crate::control::{Event, RequestLog};
 use crate::tick_log::TickLogReader;
 
-/// Properties of a run that its recording describes.
+/// Properties of a run that its recording describes: cell, sampled device ports, tick length and policy.
 #[derive(Clone, Copy)]
 pub struct Recorded<'a> {
-    /// Cell with the devices.
+    /// Description of the cell whose devices the run uses.
     pub cell: &'a Cell,
     /// Device ports that are sampled after each tick.
     pub channels: &'a [Channel],
     /// Tick length in nanoseconds.
     pub tick_ns: u64,
-    /// Policy of commands without a policy of their own for a takeover with a discontinuity.
+    /// Policy for a takeover with a discontinuity of set-points, for commands without a policy of their own.
     pub continuity: Continuity,
 }
 
-/// A requested recording, which a run starts once its devices are known.
+/// A requested recording, which a run starts once the device ports to sample are known.
 pub trait StartRecording {
-    /// Starts recording. The recorder takes the ticks from the tick log.
+    /// Starts the recording of a run. The returned recorder reads the ticks from the tick log.
     ///
     /// # Errors
     /// Returns the errors of the output, and an error if no thread can be created.
@@ -41,13 +41,13 @@ pub trait RunRecorder {
     /// Returns the callback that records each request to the control core.
     fn request_log(&self) -> RequestLog;
 
-    /// Writes an event of the core to the recording.
+    /// Records an event of the core.
     fn event(&self, event: &Event);
 
-    /// Returns true while the recorder takes ticks from the tick log. It stops after an error of the output.
+    /// Returns true while the recorder reads ticks from the tick log. It stops after an error of the output.
     fn writes(&self) -> bool;
 
-    /// Ends the recording. `lost` is the number of ticks that did not fit on the tick log.
+    /// Ends the recording. `lost` is the number of ticks for which the tick log had no room.
     ///
     /// # Errors
     /// Returns the first error of the output, and an error if requests or events were dropped.
@@ -59,6 +59,6 @@ pub trait RunRecorder {
 pub struct RecordingStats {
     /// Number of ticks in the recording.
     pub ticks: u64,
-    /// Number of ticks lost because the writer could not keep up.
+    /// Number of ticks that are missing from the recording, because the writer could not keep up.
     pub lost: u64,
 }

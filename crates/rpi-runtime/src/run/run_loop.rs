@@ -16,12 +16,12 @@ use super::outcome::Outcome;
 use super::samples::Sink;
 use crate::realtime::{self, RealTime, ResourceGrant};
 
-/// Period with which the host serves the cycle in real time.
-const SERVE_PERIOD: Duration = Duration::from_millis(2);
-/// Period of the progress callback.
+/// Period with which the part of a run outside the cycle processes events and samples in real time.
+pub(crate) const SERVE_PERIOD: Duration = Duration::from_millis(2);
+/// Minimum time between two calls of the progress callback.
 const PROGRESS_PERIOD: Duration = Duration::from_millis(100);
 
-/// Loop of a run outside the cycle: it passes samples and progress to the caller.
+/// Loop of a run outside the cycle: it passes samples and progress to the caller of the run.
 pub(super) struct HostLoop<'a> {
     sink: &'a mut dyn Sink,
     progress: Option<&'a mut Progress<'a>>,
@@ -107,11 +107,11 @@ pub(super) fn run_threaded(
     }
 }
 
-/// A finished cycle with the resources that the operating system granted.
+/// A finished cycle loop, with the operating system's answers to the requests for real-time resources.
 type FinishedCycle = (CycleLoop, Vec<ResourceGrant>);
 
-/// Executes ticks until `over` is set, then returns the cycle through a queue. Joining the thread is not possible: with
-/// the system call filter it cannot exit.
+/// Executes ticks until no command runs and `over` is set or a limit is reached. Then returns the cycle loop through
+/// the queue `done`, because with the system call filter the thread cannot exit and must not be joined.
 fn tick_until(
     (mut cycle, mut done): (CycleLoop, Producer<FinishedCycle>),
     over: &AtomicBool,

@@ -3,40 +3,42 @@
 use rpi_image::{Scalar, Type};
 use rtrb::{Consumer, Producer, RingBuffer};
 
-/// Flow whose values are sampled in each cycle.
+/// Flow or device port whose value is sampled in each cycle.
 #[derive(Clone, PartialEq, Eq, Debug)]
 pub struct Channel {
-    /// Name: `device.port[index]`, `Command.key`, or the path of a port.
+    /// Name of the channel: `device.port[index]`, `Command.key`, or the path of a port in a net.
     pub name: String,
     /// Type of the sampled values.
     pub ty: Type,
-    /// Device port or command from which the values come.
+    /// Kind of source from which the values come: a device port or a command.
     pub source: Source,
 }
 
-/// Origin of a sampled flow.
+/// Source of the values of a channel.
 #[derive(Clone, PartialEq, Eq, Debug)]
 pub enum Source {
-    /// A port of a device.
+    /// The values are those of a port of a device.
     Device {
-        /// Name of the device.
+        /// Name of the device in the cell description, such as `arm`.
         device: String,
-        /// Name of the port.
+        /// Name of the device's port, such as `position`.
         port: &'static str,
-        /// Index among several equal ports, from 0.
+        /// Index of the port among the device's ports of the same name (such as joints), from 0.
         index: usize,
     },
-    /// A flow of a command.
+    /// The values are those of a flow of a command.
     Command,
-    /// A claim of a command, or a value that a claim reads. The program does not publish this flow.
+    /// The values are those of a claim (assertion, check or contract) of a command, or of a flow that a claim reads.
+    /// The program does not export this flow.
     Claim,
 }
 
 /// Receiver of the samples of a run, such as a recording or a plot.
 pub trait Sink {
-    /// Receives the list of channels. Called once, before the first sample.
+    /// Receives the list of channels, which later samples refer to by index. Called once, before the first sample.
     fn channels(&mut self, channels: &[Channel]);
-    /// Receives the value of a channel (by index) in a tick, from 0; `None` if the flow is absent.
+    /// Receives the value of a channel (by index, from 0) in a tick (by number, from 0), as memory words; `None` if the
+    /// flow is absent.
     fn sample(&mut self, channel: usize, tick: u64, value: Option<&[u64]>);
 }
 
@@ -62,13 +64,15 @@ impl Sink for SinkList<'_> {
     }
 }
 
-/// Capacity of the ring buffer of samples in words. It must hold the samples between two visits of the host.
+/// Capacity of the ring buffer of samples in 64-bit words. It must hold the samples between two visits of the host.
 const CAPACITY: usize = 1 << 20;
-/// Number of words before the value of a sample: channel with presence; tick.
+/// Number of 64-bit words before the value of a sample: channel index with presence; tick number.
 const HEADER: usize = 2;
+/// Bit of the first header word of a sample that is set if a value follows; otherwise the flow was absent.
 const PRESENT: u64 = 1 << 32;
 
-/// Creates the ring buffer through which samples of channels with these types leave the cycle. Returns its two ends.
+/// Creates the ring buffer through which samples leave the cycle. `types` are the types of the channels. Returns the
+/// end of the cycle and that of the host.
 pub(super) fn ring(types: &[Type]) -> (SampleSender, SampleReceiver) {
     let (producer, consumer) = RingBuffer::new(CAPACITY);
     let widths: Box<[usize]> = types.iter().map(|ty| ty.slots() as usize).collect();
@@ -117,7 +121,8 @@ pub(super) struct SampleReceiver {
 }
 
 impl SampleReceiver {
-    /// Passes all complete samples in the ring buffer to `take`, in order: channel, tick, value.
+    /// Passes all complete samples in the ring buffer to `take`, in order: channel index, tick number, and memory words
+    /// (`None` if the flow was absent).
     pub(super) fn drain(&mut self, mut take: impl FnMut(usize, u64, Option<&[u64]>)) {
         while let Some((channel, present)) = self.next() {
             let _ = self.ring.pop();
@@ -130,7 +135,7 @@ impl SampleReceiver {
         }
     }
 
-    /// Returns channel and presence of the next sample, if it is complete.
+    /// Returns the channel index of the next sample and whether a value follows; `None` if the sample is incomplete.
     fn next(&self) -> Option<(usize, bool)> {
         let word = *self.ring.peek().ok()?;
         let (channel, present) = ((word & (PRESENT - 1)) as usize, word & PRESENT != 0);

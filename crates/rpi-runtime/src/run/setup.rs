@@ -23,7 +23,8 @@ use crate::control::{Control, Executive, Options, open};
 use crate::realtime::{TickTimer, TimeBase};
 use crate::tick_log::{LoggingBank, TickLogWriter, tick_log};
 
-/// Prepares a run: creates the loop of the cycle and the host.
+/// Prepares a run: creates the loop of the cycle and the part of the run outside the cycle. `tick_ns` is the tick
+/// length in nanoseconds; `recording` is started if there is one.
 pub(super) fn setup<'a>(
     job: &RunOptions<'a>,
     tick_ns: u64,
@@ -34,6 +35,8 @@ pub(super) fn setup<'a>(
     let bank = || SimBank::new(job.cell, tick_ns as f64 * 1e-9);
     let (mut plant, mut names) = (bank(), bank());
     check_commands(job, &mut names)?;
+    let is_real_time = job.time_base == TimeBase::Real;
+    plant.open(is_real_time).map_err(RunError::Device)?;
     let (taps, mut channels) = devices::taps(job.cell, &mut plant);
     let flows = add_flow_channels(job.images, &mut channels);
     let types: Vec<Type> = channels.iter().map(|c| c.ty).collect();
@@ -82,7 +85,7 @@ pub(super) fn setup<'a>(
     Ok((cycle, host))
 }
 
-/// Returns the capacities and policies of the control core of a run.
+/// Returns the capacities and policies of the control core of a run with this tick length in nanoseconds.
 fn options(job: &RunOptions<'_>, tick_ns: u64) -> Options {
     Options {
         tick_ns,
@@ -93,7 +96,8 @@ fn options(job: &RunOptions<'_>, tick_ns: u64) -> Options {
     }
 }
 
-/// Creates the state that tasks need to load and start commands.
+/// Creates the state that tasks need to load and start commands. `sets` are the input values given by the user; `now`
+/// is the shared number of the next tick.
 fn task_context<'a>(
     job: &RunOptions<'a>,
     (control, sets): (Control, Vec<Vec<IndexedValue>>),
@@ -112,8 +116,8 @@ fn task_context<'a>(
     }
 }
 
-/// Starts the recording of a run. Returns its recorder and its tick log. The recorder receives every request from now
-/// on.
+/// Starts the recording of a run. `devices` are the channels of the sampled device ports. Returns the recorder, which
+/// receives every request from now on, and the end of the tick log to which the cycle writes.
 fn start_recording(
     job: &RunOptions<'_>,
     wanted: Box<dyn StartRecording>,
@@ -134,7 +138,8 @@ fn start_recording(
     Ok((recorder, writer))
 }
 
-/// Loads every command of a run once to check that it can run in the cell and fits the time budget.
+/// Loads every command of a run once to check that it can run in the cell, and checks the time budget. `names` is a
+/// copy of the devices for resolving their names.
 fn check_commands(job: &RunOptions<'_>, names: &mut SimBank) -> Result<(), RunError> {
     let load = |image: &Arc<Image>| {
         let loaded = Command::load(Arc::clone(image), names);
@@ -150,7 +155,8 @@ fn check_commands(job: &RunOptions<'_>, names: &mut SimBank) -> Result<(), RunEr
     share.map_or(Ok(()), |share| share.check(&mut commands, job.plans))
 }
 
-/// Adds a channel for each flow that a run samples. Returns, for each image, the indices of its flows.
+/// Adds a channel for each flow that a run samples. Returns, for each image, its flows with the indices of their
+/// channels.
 fn add_flow_channels(images: &[Arc<Image>], channels: &mut Vec<Channel>) -> Box<[SampledFlows]> {
     let mut of = |image: &Arc<Image>| {
         let mut flows = Vec::new();
@@ -175,8 +181,9 @@ fn add_flow_channels(images: &[Arc<Image>], channels: &mut Vec<Channel>) -> Box<
     images.iter().map(&mut of).collect()
 }
 
-/// Returns the sampled flows of an image with their fragments: all ports if the image was lowered with observable
-/// ports, otherwise the exports. The index of a flow in this list is its key on the tick log.
+/// Returns the flows of an image that are sampled in a run: name, place and type in memory, and index of the fragment.
+/// These are all ports if the image was lowered with observable ports, otherwise the exports. The index of a flow in
+/// this list is its key in the tick log.
 #[must_use]
 pub fn sampled_flows(image: &Image) -> Vec<(String, Signal, u32)> {
     if image.debug.probes.is_empty() {

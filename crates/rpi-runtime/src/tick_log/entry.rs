@@ -1,41 +1,46 @@
 //! Encoding of entries of a tick log.
 
-/// Kind of a tick log entry. The description of each kind lists the meaning of the key, the flag and the words.
+/// Kind of an entry of the tick log, which records the exchange between core and devices in each tick. The description
+/// of each kind lists the meaning of the entry's key, flag and words.
 #[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Debug)]
 pub enum EntryKind {
-    /// Read of a sensor. Key: port; flag: a sample was available; words: memory words of the sample.
+    /// Read of a sensor. Key: number of the port; flag: a sample was available; words: memory words of the sample.
     Read = 1,
-    /// Check of a set-point by its device. Key: port; words: the reasons for a refusal, as bits.
+    /// Check of a set-point by its device. Key: number of the port; words: the reasons for a rejection as bits, 0 for
+    /// none.
     Check = 2,
-    /// Query of a device error. Key: port; words: error code.
+    /// Query of a device error. Key: number of the port; words: error code, 0 for none.
     Error = 3,
-    /// Query of a discontinuity. Key: port; flag: the set-point is discontinuous; words: actuator, quantity, value,
-    /// limit.
+    /// Query whether a set-point continues the motion. Key: number of the port; flag: the set-point is discontinuous;
+    /// words: number of the actuator, number of the quantity (position, velocity, acceleration), value, limit.
     Discontinuity = 4,
-    /// Call of a device function. Key: port; flag: there was a result; words: memory words of the result.
+    /// Call of a device function, such as inverse kinematics. Key: number of the port; flag: there was a result; words:
+    /// memory words of the result.
     Call = 5,
-    /// Query of an actuator's motion. Key: actuator; flag: the actuator moves.
+    /// Query whether an actuator moves. Key: number of the actuator; flag: the actuator moves.
     Moving = 6,
-    /// Write of a set-point. Key: port; words: memory words of the set-point.
+    /// Write of a set-point. Key: number of the port; words: memory words of the set-point.
     Write = 7,
-    /// Stop of an actuator. Key: actuator.
+    /// Stop of an actuator. Key: number of the actuator.
     Stop = 8,
-    /// Period of an actuator's set-points. Key: actuator; words: number of ticks.
+    /// Start of a command that drives an actuator. Key: number of the actuator; words: period of its set-points in
+    /// ticks.
     Period = 9,
-    /// State of a device at the end of a tick. Key: device; flag: the device moves; words: error code.
+    /// State of a device at the end of a tick. Key: index of the device; flag: the device moves; words: error code, 0
+    /// for none.
     DeviceState = 10,
-    /// End of all commands between two ticks. Key: number of the abort reason.
+    /// Abort of all commands between two ticks. Key: number of the abort reason.
     Halt = 11,
-    /// Flow of a command at the end of its cycle. Key: index of the flow; flag: the flow is present; words: number of
-    /// the command, memory words of the value.
+    /// Value of a flow of a command at the end of its cycle. Key: index of the flow; flag: the flow is present; words:
+    /// number of the command, memory words of the value.
     Flow = 12,
     /// Sample of a device port after a tick. Key: index of the sampled port; flag: there is a value; words: memory
     /// words of the value.
     Sample = 13,
     /// Overrun of a tick. Words: nanoseconds by which the tick ended after the next one was due.
     Overrun = 14,
-    /// Attribution of an overrun to a command. Key: fragment with the most work; words: number of the command, its time
-    /// in nanoseconds, nanoseconds by which the tick ended too late.
+    /// Attribution of an overrun to a command. Key: index of the fragment with the most work; words: number of the
+    /// command, its time in nanoseconds, nanoseconds by which the tick ended after the next one was due.
     OverrunCause = 15,
 }
 
@@ -65,16 +70,16 @@ impl EntryKind {
     }
 }
 
-/// An entry of a tick log.
+/// Entry of the tick log, which records the exchange between core and devices, and values, in each tick.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub struct LogEntry<'a> {
-    /// What the entry records, such as a sensor sample or a set-point.
+    /// Kind of the entry, such as a sensor sample or a set-point.
     pub kind: EntryKind,
-    /// Key; its meaning depends on the kind.
+    /// Number of a port, actuator, device, flow or reason, depending on the kind; see [`EntryKind`].
     pub key: u32,
-    /// Flag; its meaning depends on the kind.
+    /// Truth value of the entry; its meaning depends on the kind, see [`EntryKind`].
     pub flag: bool,
-    /// Words; their meaning depends on the kind.
+    /// 64-bit words of the entry; their meaning depends on the kind, see [`EntryKind`].
     pub words: &'a [u64],
 }
 
@@ -84,13 +89,14 @@ const KIND_SHIFT: u32 = 56;
 const LEN_SHIFT: u32 = 32;
 const MAX_LEN: u64 = (1 << 23) - 1;
 
-/// Encodes the first word of an entry: kind, key, flag and number of further words.
+/// Encodes the first word of a tick log entry: kind, key, flag and number of further words.
 pub(super) fn encode_head(kind: EntryKind, key: u32, flag: bool, len: usize) -> u64 {
     let flag = if flag { FLAG } else { 0 };
     (kind as u64) << KIND_SHIFT | flag | (len as u64 & MAX_LEN) << LEN_SHIFT | u64::from(key)
 }
 
-/// Decodes the first entry. Returns the entry and the remaining words; `None` at the end or if the words are invalid.
+/// Decodes the first of the tick log entries in `words`. Returns the entry and the remaining words; `None` at the end
+/// or if the words are invalid.
 pub(super) fn decode_first(words: &[u64]) -> Option<(LogEntry<'_>, &[u64])> {
     let (head, rest) = words.split_first()?;
     let len = usize::try_from(head >> LEN_SHIFT & MAX_LEN).ok()?;
@@ -104,7 +110,7 @@ pub(super) fn decode_first(words: &[u64]) -> Option<(LogEntry<'_>, &[u64])> {
     Some((entry, rest))
 }
 
-/// Decodes a list of entries. The iteration ends at the first invalid entry.
+/// Decodes a list of tick log entries. The iteration ends at the first invalid entry.
 pub fn decode_entries(mut words: &[u64]) -> impl Iterator<Item = LogEntry<'_>> {
     std::iter::from_fn(move || {
         let (entry, rest) = decode_first(words)?;

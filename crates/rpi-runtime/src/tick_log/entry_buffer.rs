@@ -2,10 +2,10 @@
 
 use super::entry::{EntryKind, encode_head};
 
-/// Buffer of the tick log entries of the current tick.
+/// Buffer for the tick log entries of the current tick. It is allocated before the first tick and never grows.
 pub struct EntryBuffer {
     words: Vec<u64>,
-    /// Whether an entry did not fit. The tick is then not recorded.
+    /// Whether an entry did not fit into the buffer. The tick is then not recorded.
     full: bool,
 }
 
@@ -19,8 +19,8 @@ impl EntryBuffer {
         }
     }
 
-    /// Appends an entry whose words are given in parts. It never allocates: if the entry does not fit, the tick is
-    /// lost.
+    /// Appends an entry, whose words are given in parts. It never allocates: if the entry does not fit, the whole tick
+    /// is not recorded.
     pub fn push(&mut self, kind: EntryKind, key: u32, flag: bool, parts: &[&[u64]]) {
         let len: usize = parts.iter().map(|part| part.len()).sum();
         if self.words.capacity() - self.words.len() <= len {
@@ -33,7 +33,7 @@ impl EntryBuffer {
             .for_each(|part| self.words.extend_from_slice(part));
     }
 
-    /// Returns the words of this tick; `None` if an entry did not fit.
+    /// Returns the words of the entries of this tick; `None` if an entry did not fit.
     #[must_use]
     pub fn words(&self) -> Option<&[u64]> {
         (!self.full).then_some(&self.words)
@@ -45,7 +45,7 @@ impl EntryBuffer {
         self.words.is_empty() && !self.full
     }
 
-    /// Discards all entries before the next tick.
+    /// Removes all entries, before the next tick.
     pub fn clear(&mut self) {
         self.words.clear();
         self.full = false;

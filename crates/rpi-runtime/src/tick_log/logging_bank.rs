@@ -19,7 +19,7 @@ pub struct LoggingBank<P> {
     stage: Option<RefCell<EntryBuffer>>,
 }
 
-/// Capacity in words of the log of one tick.
+/// Capacity in 64-bit words of the log of the exchange with the devices in one tick.
 const CAPACITY: usize = 1 << 16;
 
 impl<P> LoggingBank<P> {
@@ -29,7 +29,7 @@ impl<P> LoggingBank<P> {
         LoggingBank { plant, stage: None }
     }
 
-    /// Begins to write sensor samples and set-points to the log. Nothing is logged before.
+    /// Begins to log the exchange between the core and the devices. Nothing is logged before.
     pub fn start_logging(&mut self) {
         self.stage = Some(RefCell::new(EntryBuffer::with_capacity(CAPACITY)));
     }
@@ -39,12 +39,12 @@ impl<P> LoggingBank<P> {
         &mut self.plant
     }
 
-    /// Returns the log of the current tick; `None` without logging.
+    /// Returns the log of the exchange in the current tick; `None` without logging.
     pub fn buffer(&mut self) -> Option<&mut EntryBuffer> {
         self.stage.as_mut().map(RefCell::get_mut)
     }
 
-    /// Logs that all commands are ended.
+    /// Logs that all commands are aborted for the reason `why`.
     pub fn log_halt(&mut self, why: AbortReason) {
         self.log(EntryKind::Halt, reason_number(why), false, &[]);
     }
@@ -56,7 +56,7 @@ impl<P> LoggingBank<P> {
     }
 }
 
-/// Encodes a discontinuity as words of a log entry.
+/// Encodes a discontinuity of set-points as words of a tick log entry: actuator, quantity, value, limit.
 fn encode_discontinuity(jump: &Discontinuity) -> [u64; 4] {
     let (value, limit) = (jump.value.to_bits(), jump.limit.to_bits());
     [u64::from(jump.resource), jump.quantity as u64, value, limit]

@@ -2,7 +2,8 @@
 
 use rpi_core::AbortReason;
 
-/// Reasons of an abort. The index of a reason is its key on the tick log, so the order must not change.
+/// Reasons for aborting all commands. The index of a reason is its number in the tick log, so the order must not
+/// change.
 const REASONS: [AbortReason; 6] = [
     AbortReason::Request,
     AbortReason::Overrun,
@@ -19,7 +20,7 @@ pub fn reason_number(why: AbortReason) -> u32 {
     place.map_or(u32::MAX, |place| place as u32)
 }
 
-/// Returns the abort reason for its number in the tick log.
+/// Returns the abort reason with this number in the tick log; `None` if the number is unknown.
 #[must_use]
 pub fn reason_from_number(number: u32) -> Option<AbortReason> {
     REASONS.get(number as usize).copied()

@@ -11,37 +11,38 @@ use super::entry::{EntryKind, LogEntry, decode_first};
 use super::reason::reason_from_number;
 use crate::control::{AttributedOverrun, CommandId, Plant};
 
-/// Difference between the tick log and the replay in the device exchange of a tick.
+/// Difference between the exchange with the devices in the tick log and that of the replay, in one tick.
 #[derive(Clone, PartialEq, Eq, Debug)]
 pub enum Mismatch {
-    /// A set-point of the replay differs from the recorded one.
+    /// The core wrote another set-point in the replay than in the recording.
     SetPoint {
-        /// Number of the port.
+        /// Number of the set-point's port in the device bank.
         port: u32,
         /// Memory words of the recorded set-point.
         recorded: Vec<u64>,
         /// Memory words of the set-point in the replay.
         now: Vec<u64>,
     },
-    /// The replay made another access to a device than the next one on the tick log.
+    /// The core made another access to a device in the replay than the next one in the tick log.
     UnexpectedAccess {
-        /// Kind and key of the next access on the tick log; `None` at the end of the tick.
+        /// Kind and key of the next access in the tick log; `None` at the end of the tick.
         recorded: Option<(EntryKind, u32)>,
-        /// Kind and key of the access of the replay.
+        /// Kind and key of the access in the replay.
         now: (EntryKind, u32),
     },
-    /// The replay did not make an access that is on the tick log, with this kind and key.
+    /// The core did not make an access in the replay that is in the tick log, with this kind and key.
     MissingAccess(EntryKind, u32),
 }
 
-/// Device bank of a replay: it answers accesses with the values of the tick log and compares the set-points.
+/// Device bank of a replay: it answers the accesses of the core with the values in the tick log, and compares the
+/// set-points of the core with those in the log.
 pub struct ReplayBank {
     devices: usize,
     // Queries take `&self` but advance the tick log. A single thread owns the player, so the cell is never borrowed twice.
     state: RefCell<ReplayState>,
 }
 
-/// Logged device exchange of a tick and the read position in it.
+/// Logged exchange with the devices in one tick, and the read position in it.
 #[derive(Default)]
 struct ReplayState {
     words: Vec<u64>,
@@ -57,8 +58,8 @@ impl ReplayState {
         Some((entry, self.words.len() - after.len()))
     }
 
-    /// Returns the next entry if it has this kind and key, and advances. Otherwise the mismatch is stored, and nothing
-    /// more is replayed.
+    /// Returns the next entry of the log if it has this kind and key, and advances. Otherwise the mismatch is stored,
+    /// `None` is returned, and nothing more is replayed.
     fn next(&mut self, kind: EntryKind, key: u32) -> Option<LogEntry<'_>> {
         if self.mismatch.is_some() {
             return None;
@@ -81,7 +82,7 @@ impl ReplayState {
 }
 
 impl ReplayBank {
-    /// Creates a replay bank for this number of devices.
+    /// Creates a replay bank for a recording with this number of devices.
     #[must_use]
     pub fn new(devices: usize) -> ReplayBank {
         ReplayBank {
@@ -90,7 +91,7 @@ impl ReplayBank {
         }
     }
 
-    /// Loads the device exchange of the next tick.
+    /// Loads the logged exchange with the devices in the next tick, as words of entries.
     pub fn load_tick(&mut self, exchange: &[u64]) {
         let state = self.state.get_mut();
         state.words.clear();
@@ -98,7 +99,8 @@ impl ReplayBank {
         (state.at, state.loaded) = (0, true);
     }
 
-    /// Returns the reason if the next entry is the end of all commands for a known reason.
+    /// Returns the abort reason if the next entry of the log is an abort of all commands, and skips the entry. Returns
+    /// `None` otherwise, or if the reason is unknown.
     pub fn take_halt(&mut self) -> Option<AbortReason> {
         let state = self.state.get_mut();
         let (entry, end) = state.peek().filter(|(e, _)| e.kind == EntryKind::Halt)?;
@@ -107,7 +109,8 @@ impl ReplayBank {
         why
     }
 
-    /// Returns the attribution of an overrun if it is the next entry.
+    /// Returns the overrun and the command to which it is attributed if the next entry of the log is such an
+    /// attribution, and skips the entry. Returns `None` otherwise.
     pub fn take_overrun(&mut self) -> Option<AttributedOverrun> {
         let state = self.state.get_mut();
         let (entry, end) = state.peek()?;
@@ -116,7 +119,8 @@ impl ReplayBank {
         Some(late)
     }
 
-    /// Returns the difference between the replay and the log in this tick, if any. Called after the tick.
+    /// Returns the first difference between the replay and the log in this tick; `None` if there is none. Called after
+    /// the tick.
     pub fn mismatch(&mut self) -> Option<Mismatch> {
         let state = self.state.get_mut();
         let left = state
@@ -135,7 +139,8 @@ impl ReplayBank {
         state.next(kind, key).map(take)
     }
 
-    /// Copies the words of the next entry, if it has this kind and key, into a buffer and returns its flag.
+    /// Copies the words of the next entry of the log, if it has this kind and key, to a buffer and returns its flag.
+    /// Returns false if the entry does not fit.
     fn copy_words(&self, kind: EntryKind, key: u32, into: &mut [u64]) -> bool {
         let copied = self.replay_entry(kind, key, |entry| {
             if entry.words.len() == into.len() {
@@ -152,7 +157,7 @@ impl ReplayBank {
     }
 }
 
-/// Decodes the attribution of an overrun; `None` if the entry is of another kind.
+/// Decodes a tick log entry that attributes an overrun to a command; `None` if the entry is of another kind.
 #[must_use]
 pub fn decode_overrun(entry: &LogEntry<'_>) -> Option<AttributedOverrun> {
     let (EntryKind::OverrunCause, &[command, took_ns, late_ns]) = (entry.kind, entry.words) else {

@@ -1,15 +1,16 @@
-//! Tape between the cycle and the writer thread: a bounded ring on which neither side blocks.
+//! Tick log between the cycle and the writer thread: a bounded ring on which neither side blocks.
 
 use rtrb::{Consumer, Producer, RingBuffer};
 
 use super::entry_buffer::EntryBuffer;
 
-/// Capacity of the tick log in words: about 15 s of an arm at 1 kHz.
+/// Capacity of the tick log in 64-bit words: about 15 s of the exchange with one arm at 1 kHz.
 const CAPACITY: usize = 1 << 20;
 // Words before the entries of a tick: lost ticks, number, wall clock, kind, and the lengths of both lists.
 const HEADER: usize = 6;
 
-/// Creates a tick log and returns its two ends: the first for the cycle, the second for the writer.
+/// Creates a tick log and returns its two ends: the first for the cycle, the second for the thread that writes the
+/// recording.
 #[must_use]
 pub fn tick_log() -> (TickLogWriter, TickLogReader) {
     with_capacity(CAPACITY)
@@ -26,18 +27,18 @@ fn with_capacity(words: usize) -> (TickLogWriter, TickLogReader) {
     (writer, TickLogReader { ring: consumer })
 }
 
-/// End of the tick log at which the cycle writes ticks.
+/// End of the tick log to which the cycle writes ticks.
 pub struct TickLogWriter {
     ring: Producer<u64>,
     capacity: usize,
-    /// Number of ticks lost since the last recorded one.
+    /// Number of ticks that had no room in the log since the last recorded one.
     lost_since_last: u64,
     lost: u64,
 }
 
 impl TickLogWriter {
-    /// Writes a complete tick, or counts it as lost. `ticked` is false for entries between two ticks without a tick
-    /// after them.
+    /// Writes a complete tick, or counts it as lost if it does not fit. `exchange` has the entries about the devices,
+    /// `observations` those about sampled values. `ticked` is false for entries after the last tick.
     pub fn put(
         &mut self,
         (number, wall_ns): (u64, i64),
@@ -69,26 +70,26 @@ impl TickLogWriter {
         self.lost_since_last = 0;
     }
 
-    /// Returns the total number of lost ticks.
+    /// Returns the total number of ticks that had no room in the log.
     #[must_use]
     pub fn lost(&self) -> u64 {
         self.lost
     }
 
-    /// Returns true while more than half of the ring is free.
+    /// Returns true while more than half of the tick log is free.
     #[must_use]
     pub fn has_room(&self) -> bool {
         self.ring.slots() > self.capacity / 2
     }
 }
 
-/// End of the tick log at which the writer thread of the recording reads ticks.
+/// End of the tick log from which the writer thread of the recording reads ticks.
 pub struct TickLogReader {
     ring: Consumer<u64>,
 }
 
 impl TickLogReader {
-    /// Reads the words of the next tick. Returns false if no complete tick is available.
+    /// Reads the next tick from the log into `words`. Returns false if no complete tick is available.
     pub fn next(&mut self, words: &mut Vec<u64>) -> bool {
         words.clear();
         let Ok(header) = self.ring.read_chunk(HEADER) else {
@@ -105,25 +106,25 @@ impl TickLogReader {
     }
 }
 
-/// A tick read from the log and split into its parts.
+/// A tick that was read from the tick log, split into its parts.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub struct LoggedTick<'a> {
-    /// Number of ticks lost before this one.
+    /// Number of ticks that had no room in the log immediately before this one.
     pub lost: u64,
-    /// Number of the tick.
+    /// Number of the tick, counted from the start of the run.
     pub number: u64,
-    /// Wall clock of the commands, nanoseconds since the Unix epoch.
+    /// Wall clock for the commands in the tick, in nanoseconds since the Unix epoch.
     pub wall_ns: i64,
-    /// False for entries between two ticks without a tick after them.
+    /// Whether a tick was executed; false for entries after the last tick, such as an abort of all commands.
     pub ticked: bool,
-    /// Entries about the exchange between core and devices.
+    /// Words of the entries about the exchange between the core and the devices.
     pub exchange: &'a [u64],
-    /// Entries about observed values: flows of commands and device ports.
+    /// Words of the entries about sampled values: flows of commands and device ports.
     pub observations: &'a [u64],
 }
 
 impl LoggedTick<'_> {
-    /// Decodes a tick; `None` if the words are invalid.
+    /// Decodes a tick from the words that [`TickLogReader::next`] has read; `None` if the words are invalid.
     pub fn from_words(words: &[u64]) -> Option<LoggedTick<'_>> {
         let (header, rest) = words.split_first_chunk::<HEADER>()?;
         let [lost, number, wall, kind, n, m] = *header;

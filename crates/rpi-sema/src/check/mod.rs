@@ -56,19 +56,19 @@ pub(crate) use crate::check::signatures::static_params::{static_params, static_p
 /// Program after checking: its typed units, constants and diagnostics.
 #[derive(Debug)]
 pub struct CheckedProgram {
-    /// All units that are called or can be run.
+    /// Units of all declarations that are called or can be run: one for each choice of static arguments.
     pub units: Vec<Unit>,
-    /// Unit of each declaration of the first module that needs no static arguments, in declaration order.
+    /// Declarations of the first module that need no static arguments, each with its unit, in declaration order.
     pub runnable: Vec<(DeclId, UnitId)>,
     /// All diagnostics of the program.
     pub diagnostics: Vec<Diagnostic>,
-    /// Values of the constants of the first module.
+    /// Values of the constants of the first module, by declaration.
     constants: BTreeMap<DeclId, Constant>,
 }
 
 impl CheckedProgram {
-    /// Returns the value of a parameter of a command or task that is started directly: the device of the same name, the
-    /// constant of the same name in the first module, or the default.
+    /// Returns the value of a parameter of a command or task that is started directly. It is the device of the same
+    /// name, the constant of the same name in the first module, or the default; otherwise it is unknown.
     #[must_use]
     pub fn root_argument(&self, program: &Program<'_>, param: &Flow) -> Argument {
         if let Ty::Device(_) = param.ty {
@@ -92,14 +92,14 @@ impl CheckedProgram {
         }
     }
 
-    /// Returns the unit of an index.
+    /// Returns the unit with this identifier.
     #[must_use]
     pub fn unit(&self, id: UnitId) -> &Unit {
         &self.units[id.0 as usize]
     }
 }
 
-/// Checks a program: all of its first module, and the declarations of other modules that it uses.
+/// Checks a program: all declarations of its first module, and those of other modules that they use.
 #[must_use]
 pub fn check(program: &Program<'_>) -> CheckedProgram {
     let mut checker = Checker::new(program);
@@ -156,12 +156,12 @@ enum Lazy<T> {
     Done(Option<T>),
 }
 
-/// State of checking a program: the units so far, caches and limits.
+/// State of the check of a whole program: the units created so far, cached results, and limits.
 struct Checker<'a> {
     program: &'a Program<'a>,
-    /// Units by index; empty until they are checked.
+    /// Typed units by index. A unit is empty until it is checked.
     units: Vec<Unit>,
-    /// Instances of the declarations.
+    /// Units that have been created for declarations, and those that are still to be checked.
     instances: Instances,
     /// Size of the program so far, and its limits.
     limits: Limits,
@@ -169,59 +169,62 @@ struct Checker<'a> {
     types: FastMap<String, Lazy<Ty>>,
     headers: FastMap<String, Option<Rc<Header>>>,
     diagnostics: Vec<Diagnostic>,
-    /// Constants and types in progress, each needed by the previous one.
+    /// Constants and types whose check is in progress. Each of them needs the next one.
     in_progress: Vec<DeclId>,
-    /// Devices that each task drives.
+    /// For each task that has been analysed, the devices that it drives.
     task_uses: FastMap<DeclId, Rc<task::DeviceUses>>,
-    /// Aliases of callables that are being resolved, each needed by the previous one.
+    /// Aliases of callables that are being resolved. Each of them refers to the next one.
     aliases: Vec<DeclId>,
-    /// Aliases that are defined by themselves.
+    /// Aliases that are defined by themselves, directly or through other aliases.
     cyclic_aliases: BTreeSet<DeclId>,
-    /// Number of names that may still be compared for "did you mean".
+    /// Number of names that may still be compared for the help text "did you mean".
     suggestion_budget: Cell<usize>,
-    /// Constants that depend on constants without a value, with the diagnostic for their use.
+    /// Constants whose values depend on constants that are declared without a value, with the diagnostic for using
+    /// them.
     valueless_constants: BTreeMap<DeclId, Diagnostic>,
-    /// Types whose conditions refer to earlier cycles.
+    /// Types that are declared with conditions that refer to earlier cycles, as by `pre`.
     temporal_types: BTreeSet<DeclId>,
 }
 
-/// Instances of the declarations: one unit for each choice of static arguments.
+/// Instances of declarations: one unit for each declaration and choice of static arguments.
 #[derive(Default)]
 struct Instances {
-    /// Header and progress of each unit, by index.
+    /// For each unit, its ports and the progress of its check, indexed by unit.
     entries: Vec<crate::check::signatures::unit::UnitEntry>,
-    /// Units by the key of their instance: declaration and static arguments.
+    /// For each instance, its unit. The key is a text that is made of the declaration and its static arguments.
     ids: FastMap<String, UnitId>,
-    /// Declarations that have a unit.
+    /// Declarations with at least one unit.
     called: FastSet<DeclId>,
-    /// Number of instances whose check is in progress: each was created while the previous one was checked.
+    /// Units whose check has not begun, in the order in which they are to be checked.
     queue: VecDeque<UnitId>,
-    /// Number of nested instances around the current unit: each is created while the previous one is checked.
+    /// Nesting of the unit that is being checked: number of instances with static arguments of which each was created
+    /// by the check of the previous one.
     depth: u32,
-    /// Errors already reported in instances, by generic declaration, code and location.
+    /// Errors already reported in instances of generic declarations, so that each is reported for one instance only:
+    /// the declaration, the code and the location.
     reported: BTreeSet<(DeclId, Code, Span)>,
-    /// Generic declarations with a reported error. No errors are reported in their instances.
+    /// Generic declarations in which an error has been reported. No errors are reported in their instances.
     erroneous_generics: FastSet<DeclId>,
 }
 
 /// Size and nesting of the program so far, and their limits.
 struct Limits {
-    /// Number of expressions and flows of all checked units, plus a share for the leaves of constants.
+    /// Number of expressions and flows of all checked units, plus a share for the values of constants.
     expanded_size: usize,
-    /// Upper limit of `expanded_size`.
+    /// Upper limit of `expanded_size`, at which an error is reported.
     max_expanded_size: usize,
-    /// Whether the diagnostic about too many instances or too many expressions has been reported.
+    /// Whether an error about too many instances or too many expressions has been reported, which happens only once.
     size_reported: bool,
-    /// Number of nested expressions and declarations in progress, each needed by the previous one.
+    /// Number of nested expressions and declarations whose check is in progress. Each of them needs the next one.
     nesting: u32,
-    /// Number of callables whose ports are being resolved, each needed by the previous one.
+    /// Number of callables whose ports are being resolved. Each of them needs the next one.
     header_depth: u32,
     /// Whether the diagnostic about too deeply nested declarations has been reported.
     nesting_reported: bool,
 }
 
-/// Number of names compared for "did you mean" in one program. With very many undefined names only the first ones get a
-/// suggestion.
+/// Number of names compared for the help text "did you mean" in one program. It limits the time for programs with very
+/// many undefined names, of which only the first get a suggestion.
 const SUGGESTION_BUDGET: usize = 200_000;
 
 impl<'a> Checker<'a> {
@@ -256,7 +259,7 @@ impl<'a> Checker<'a> {
         self.program.decl(id).mode == rpi_syntax::Dialect::Lustre
     }
 
-    /// Returns the most similar of these names, if it is similar enough for a suggestion.
+    /// Returns the name that is most similar to `name`; `None` if none is similar enough for a suggestion.
     fn suggest<'n>(&self, name: &str, names: impl Iterator<Item = &'n str>) -> Option<String> {
         let names = names.take(self.suggestion_budget.get());
         let names = names.inspect(|_| {
@@ -266,8 +269,8 @@ impl<'a> Checker<'a> {
         rpi_diag::suggest(name, names)
     }
 
-    /// Checks a declaration of the first module on its own; returns the unit of a callable that needs no static
-    /// arguments.
+    /// Checks a declaration of the first module on its own. Returns the unit of a callable that needs no static
+    /// arguments; `None` for other declarations.
     fn check_declaration(&mut self, id: DeclId) -> Option<UnitId> {
         match self.program.decl(id).kind {
             DeclKind::Const(_) if self.is_lustre(id) => {

@@ -9,7 +9,8 @@ use crate::typed::{Activation, Call};
 use crate::typed::{BlockId, ExprId, FlowId, Unit, UnitKind};
 
 impl<'u> Solver<'u> {
-    /// Returns the clocks of a call's results and records the clock of the call itself.
+    /// Returns the clocks of a call's results, leaf by leaf (scalar part), and records the clock on which the call
+    /// itself runs.
     pub(super) fn call(&mut self, id: ExprId, call: &'u Call) -> LeafClocks<Clock> {
         let units = self.units;
         let callee = &units[call.unit.0 as usize];
@@ -53,7 +54,8 @@ impl<'u> Solver<'u> {
         base.unwrap_or(Clock::ANY)
     }
 
-    /// Records the caller's clocks of the flows inside the callee that are clock conditions of its outputs.
+    /// Records the caller's clock of each flow inside of the callee that is a clock condition of the callee's outputs.
+    /// `base` is the clock on which the call runs.
     fn update_exposed(&mut self, id: ExprId, call: &Call, base: Clock) {
         let clocks = &self.facts[call.unit.0 as usize].clocks;
         for (number, (_, clock)) in (0..).zip(clocks.exposed()) {
@@ -62,7 +64,8 @@ impl<'u> Solver<'u> {
         }
     }
 
-    /// Translates a clock of the called unit, given as a list of samplings, into a clock of the caller.
+    /// Returns the clock of the caller that corresponds to a clock of the called unit. `path` is the clock in the unit,
+    /// as samplings from its base clock on, and `base` is the clock on which the call runs.
     pub(super) fn translate_clock(
         &mut self,
         id: ExprId,
@@ -82,8 +85,9 @@ impl<'u> Solver<'u> {
         }
     }
 
-    /// Translates a clock condition of the called unit, a flow whose value decides when a clock ticks, into one of the
-    /// caller: the argument passed for that flow if it has a name, else the condition inside this call.
+    /// Returns the clock condition of the caller that corresponds to a clock condition `by` of the called unit, a flow
+    /// whose value decides when a clock ticks. It is the argument passed for that flow if this is a flow itself, else
+    /// the condition inside of this call. `None` if the condition is not visible to the caller.
     fn translate_condition(
         &mut self,
         id: ExprId,
@@ -106,7 +110,8 @@ impl<'u> Solver<'u> {
         ))
     }
 
-    /// Returns the samplings of leaf `k` of a port of the called unit, in terms of that unit, from its base clock on.
+    /// Returns the clock of leaf `k` (scalar part) of a port of the called unit, as samplings from the base clock of
+    /// that unit on.
     pub(super) fn port_path(
         &self,
         call: &Call,
@@ -135,8 +140,8 @@ impl<'u> Solver<'u> {
         path
     }
 
-    /// Returns the flows of the unit that are clock conditions of its outputs, each with its own clock. Callers of the
-    /// unit refer to them by index.
+    /// Returns the clock conditions of the unit's outputs, flows whose values decide when the outputs have a value,
+    /// each with its own clock. Callers refer to them by their index in this list.
     pub(super) fn exposed(&self) -> Vec<(ClockCondition, Clock)> {
         let mut exposed: Vec<(ClockCondition, Clock)> = Vec::new();
         let rows = self
@@ -157,8 +162,8 @@ impl<'u> Solver<'u> {
     }
 }
 
-/// Returns whether a called fragment may be inactive in a cycle of its caller. Its results are then optional flows of
-/// the caller.
+/// Whether a called fragment may be inactive in a cycle of its caller, because it has an activation condition. Its
+/// results are then optional flows of the caller.
 pub(crate) fn may_be_inactive(callee: &Unit) -> bool {
     callee.kind == UnitKind::Fragment && callee.block(BlockId::ROOT).when.is_some()
 }

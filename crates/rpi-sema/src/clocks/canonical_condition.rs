@@ -5,7 +5,8 @@ use crate::clocks::solve::Solver;
 use crate::typed::{Activation, TypedKind};
 use crate::typed::{ExprId, FlowId, TargetPlace, Unit};
 
-/// Returns the clock condition that a flow stands for: itself, or the flow that it copies.
+/// Returns the clock condition that a flow stands for: the flow or call result of which it is a copy, followed through
+/// all copies, or else the flow itself.
 pub(super) fn condition_of(solver: &mut Solver<'_>, flow: FlowId) -> ClockCondition {
     if let Some(known) = solver.canonical.get(&flow) {
         return *known;
@@ -15,8 +16,8 @@ pub(super) fn condition_of(solver: &mut Solver<'_>, flow: FlowId) -> ClockCondit
     name
 }
 
-/// Returns the clock condition that leaf `k` of an expression stands for; `None` if the expression computes a new
-/// value.
+/// Returns the clock condition of which leaf `k` (scalar part) of an expression is a copy; `None` if the expression
+/// computes a new value.
 pub(super) fn condition(solver: &mut Solver<'_>, id: ExprId, k: usize) -> Option<ClockCondition> {
     match copied_source(solver, id, k)? {
         CopySource::Leaf(flow, 0) if is_scalar(solver.unit, flow) => {
@@ -27,7 +28,8 @@ pub(super) fn condition(solver: &mut Solver<'_>, id: ExprId, k: usize) -> Option
     }
 }
 
-/// Returns the flow or call result that leaf `k` of a flow copies, followed through all copies.
+/// Returns the flow or call result of which leaf `k` (scalar part) of a flow is a copy, followed through all copies;
+/// `None` if it is not a copy.
 fn source(solver: &Solver<'_>, flow: FlowId, k: usize) -> Option<ClockCondition> {
     let (mut at, mut best) = ((flow, k), None);
     for _ in 0..solver.unit.flows.len() {
@@ -49,8 +51,8 @@ fn source(solver: &Solver<'_>, flow: FlowId, k: usize) -> Option<ClockCondition>
     best
 }
 
-/// Returns the expression and its leaf that define leaf `k` of a flow; none unless exactly one equation defines the
-/// flow.
+/// Returns the expression that defines leaf `k` (scalar part) of a flow, and the index of the leaf in this expression.
+/// `None` unless exactly one equation defines parts of the flow.
 fn single_definition(solver: &Solver<'_>, flow: FlowId, k: usize) -> Option<(ExprId, usize)> {
     let [definition] = solver.definitions_of[flow.0 as usize][..] else {
         return None;
@@ -71,7 +73,8 @@ fn single_definition(solver: &Solver<'_>, flow: FlowId, k: usize) -> Option<(Exp
     None
 }
 
-/// Returns the source of leaf `k` of an expression if the expression passes that leaf on unchanged.
+/// Returns the flow or call result that leaf `k` (scalar part) of an expression passes on unchanged; `None` if the
+/// expression computes a new value.
 fn copied_source(solver: &Solver<'_>, id: ExprId, k: usize) -> Option<CopySource> {
     let (mut id, mut k) = (id, k);
     loop {
@@ -106,17 +109,17 @@ fn copied_source(solver: &Solver<'_>, id: ExprId, k: usize) -> Option<CopySource
     }
 }
 
-/// Returns whether a call without a clock runs in all cycles: its callee has state, and the last round of inference
-/// has begun.
+/// Whether a call without a clock of its own runs in all cycles. It does if the callee has state and the last round of
+/// inference has begun, in which only constants have no clock.
 pub(super) fn runs_always(solver: &Solver<'_>, callee: &Unit) -> bool {
     solver.is_last_round() && !solver.unit.is_lustre && callee.has_state
 }
 
-/// Source of a leaf (scalar part) that an expression passes on unchanged.
+/// Source from which an expression passes on a leaf (scalar part) unchanged.
 enum CopySource {
-    /// Leaf of a flow: the flow and the index of the leaf.
+    /// Leaf (scalar part) of a flow: the flow, and the index of the leaf in it.
     Leaf(FlowId, usize),
-    /// Clock condition inside a called unit.
+    /// Output of a called unit that is a clock condition.
     CallResult(ClockCondition),
 }
 
@@ -124,7 +127,8 @@ fn is_scalar(unit: &Unit, flow: FlowId) -> bool {
     unit.flow(flow).ty.leaf_count() == 1
 }
 
-/// Returns the output that leaf `k` of a callee's results belongs to, if that output has a single leaf.
+/// Returns the output of which leaf `k` (scalar part) of a callee's results is a part; `None` if that output has
+/// several leaves.
 fn port_of(callee: &Unit, mut k: usize) -> Option<FlowId> {
     for output in &callee.outputs {
         let count = callee.flow(*output).ty.leaf_count();

@@ -1,7 +1,9 @@
 //! Checks for clock mismatches. The message names both the clock found and the clock expected.
 
 use crate::clocks::clock::Clock;
+use crate::clocks::clock_help::sample_or_hold;
 use crate::clocks::constants::case_clock;
+use crate::clocks::initialisation::presence_phrase;
 use crate::clocks::leaf_clocks::LeafClocks;
 use crate::clocks::solve::Solver;
 use crate::clocks::span_set::SpanSet;
@@ -13,12 +15,7 @@ use std::collections::{BTreeMap, BTreeSet};
 
 const CLOCK_MISMATCH: &str = "clock mismatch";
 
-const SAMPLE_OR_HOLD: &str =
-    "sample the faster flow (`x when c`), or hold the slower one (`current x`)";
-const HOLD: &str =
-    "hold it in the other cycles: `current (...)`; or use it only in the cycles of its clock";
-
-/// Checks the clocks of a unit and returns the errors.
+/// Checks the clocks of a unit after inference and returns the errors.
 pub(super) fn check(solver: &mut Solver<'_>) -> Vec<Diagnostic> {
     let faulty = vec![false; solver.unit.exprs.len()];
     let mut check = Check {
@@ -45,13 +42,15 @@ pub(super) fn check(solver: &mut Solver<'_>) -> Vec<Diagnostic> {
 
 pub(super) struct Check<'s, 'u> {
     pub(super) solver: &'s mut Solver<'u>,
-    /// For each expression, whether it or one of its operands has been reported. Its readers are then not checked.
+    /// For each expression, whether it or one of its operands has a reported error. Expressions that read it are then
+    /// not checked.
     has_error: Vec<bool>,
-    diagnostics: Vec<Diagnostic>,
+    pub(super) diagnostics: Vec<Diagnostic>,
     reported: BTreeSet<Span>,
-    /// For each `current` that is sampled directly (`current x when c`), the span of the whole expression.
+    /// For each `current x` in an expression `current x when c`, the location of the whole expression.
     sampled_currents: BTreeMap<ExprId, Span>,
-    /// `current` expressions whose operand has a leaf on the base clock, each with that operand.
+    /// `current` expressions with an operand that has a value in every cycle, so that `current` has no effect; each
+    /// with its operand.
     currents: Vec<(ExprId, ExprId)>,
 }
 
@@ -61,20 +60,20 @@ impl<'u> Check<'_, 'u> {
             let clock = self.solver.flows[id.0 as usize].leaf(0);
             if flow.clock.is_some() && self.solver.chain(clock).is_none() {
                 let text = "the clock of this flow depends on the flow itself";
-                self.report(flow.span, text.to_owned(), SAMPLE_OR_HOLD.to_owned());
+                self.report(flow.span, text.to_owned(), sample_or_hold(self.is_lustre()));
             }
         }
     }
 
-    fn is_lustre(&self) -> bool {
+    pub(super) fn is_lustre(&self) -> bool {
         self.solver.unit.is_lustre
     }
 
-    fn row(&self, id: ExprId) -> LeafClocks<Clock> {
+    pub(super) fn row(&self, id: ExprId) -> LeafClocks<Clock> {
         self.solver.exprs[id.0 as usize].clone()
     }
 
-    /// Checks the clocks of the operands of an expression.
+    /// Checks the clocks of the operands of an expression, and records whether there is an error.
     fn expr(&mut self, id: ExprId) {
         let unit = self.solver.unit;
         let kind = &unit.expr(id).kind;
@@ -114,9 +113,9 @@ impl<'u> Check<'_, 'u> {
         self.has_error[id.0 as usize] = !fits;
     }
 
-    /// Checks the clocks of the operands of a strict operator, which needs them all. Outside Lustre, operands of slower
-    /// clocks are optional, so only the last operand of `s - 1 when c` is checked: there the whole was probably meant
-    /// to be sampled.
+    /// Checks the clocks of the operands of a strict operator, which needs all of them, and returns whether they are
+    /// correct. Outside of Lustre, operands with slower clocks are optional, so that only the last operand of
+    /// `s - 1 when c` is checked: there, the whole expression was probably meant to be sampled.
     fn strict(&mut self, id: ExprId, operands: &[ExprId]) -> bool {
         let own = LeafClocks::Uniform(self.row(id).leaf(0));
         match self.sampled_last_operand(id, operands) {
@@ -128,7 +127,7 @@ impl<'u> Check<'_, 'u> {
         }
     }
 
-    /// Returns whether all leaves of an expression have the expected clocks. Reports a mismatch.
+    /// Whether all leaves (scalar parts) of an expression have the expected clocks. Reports a mismatch.
     fn check_exact(&mut self, id: ExprId, wanted: &LeafClocks<Clock>) -> bool {
         let own = self.row(id);
         let count = self.solver.unit.expr(id).ty.leaf_count().max(1);
@@ -144,45 +143,18 @@ impl<'u> Check<'_, 'u> {
     }
 
     fn report_mismatch(&mut self, found: Clock, wanted: Clock, id: ExprId) -> bool {
-        let help = match self.iterated_callee(id) {
-            Some(name) => format!(
-                "an iterator needs a value of each element in all cycles: let `{name}` return `current (...)`"
-            ),
-            None if wanted == Clock::BASE => HOLD.to_owned(),
-            None if found == Clock::BASE => {
-                format!(
-                    "sample it: `(...) {}`",
-                    self.describe(wanted).trim_matches('`')
-                )
-            }
-            None => SAMPLE_OR_HOLD.to_owned(),
-        };
+        let help = self.mismatch_help(found, wanted, id);
         let [found, wanted] = [found, wanted].map(|clock| self.describe(clock));
-        let text = format!("expected a value {wanted}, found one {found}");
+        let text = format!(
+            "this value is present {}, but is needed {wanted}",
+            presence_phrase(&found)
+        );
         self.report(self.solver.unit.expr(id).span, text, help);
         false
     }
 
-    /// Returns the name of the node that an iterator such as `map<<f, 3>>(a)` applies. The calls into which it is expanded
-    /// have its span.
-    fn iterated_callee(&self, id: ExprId) -> Option<String> {
-        let unit = self.solver.unit;
-        let TypedKind::Build(elements) = &unit.expr(id).kind else {
-            return None;
-        };
-        let mut element = *elements.first()?;
-        while let TypedKind::Part { base, .. } = unit.expr(element).kind {
-            element = base;
-        }
-        let TypedKind::Call(call) = &unit.expr(element).kind else {
-            return None;
-        };
-        let is_expanded = unit.expr(element).span == unit.expr(id).span;
-        let callee = &self.solver.units[call.unit.0 as usize];
-        is_expanded.then(|| callee.name.to_string())
-    }
-
-    /// Returns the last operand of `s - 1 when c` if only that operand is sampled.
+    /// Returns the last operand of an expression such as `s - 1 when c` if only that operand is sampled; `None`
+    /// otherwise.
     fn sampled_last_operand(&self, id: ExprId, operands: &[ExprId]) -> Option<ExprId> {
         let unit = self.solver.unit;
         let (last, others) = operands.split_last()?;
@@ -196,7 +168,8 @@ impl<'u> Check<'_, 'u> {
         (is_end && !others.iter().any(is_sampled)).then_some(*last)
     }
 
-    /// Checks the last operand of `s - 1 when c`. On a mismatch, suggests sampling the whole expression.
+    /// Checks that the last operand `end` of an expression such as `s - 1 when c` has the clock `own` of the
+    /// expression. On a mismatch, the fix samples the whole expression. Returns whether the clock is correct.
     fn check_sampled_last_operand(
         &mut self,
         id: ExprId,
@@ -215,16 +188,18 @@ impl<'u> Check<'_, 'u> {
             let fix = Fix::maybe("sample the whole")
                 .insert_before(whole, "(")
                 .insert_after(unit.expr(*value).span, ")");
-            *diagnostic = diagnostic
-                .clone()
-                .help("`when` binds before other operators: `(a - b) when c`")
-                .fix(fix);
+            // The help for the mismatch would only apply to the last operand.
+            diagnostic.help = vec![
+                "`when` binds before other operators: the parentheses make it sample the whole"
+                    .to_owned(),
+            ];
+            *diagnostic = diagnostic.clone().fix(fix);
         }
         false
     }
 
-    /// Returns whether the operand of `when` is on the clock of the condition, or on a clock from which that one is
-    /// sampled. Outside Lustre, a slower operand is optional and always accepted.
+    /// Whether the operand `value` of `when` has a clock that the operator accepts: the clock of the condition, or a
+    /// faster one. Outside of Lustre, every clock is accepted, because the value of a slower operand is optional.
     fn add_when(&mut self, id: ExprId, value: ExprId) -> bool {
         let unit = self.solver.unit;
         self.sampled_currents.insert(value, unit.expr(id).span);
@@ -262,7 +237,8 @@ impl<'u> Check<'_, 'u> {
         fits
     }
 
-    /// Checks that each equation's value has the clock of its target, unless the target may be absent beyond its clock.
+    /// Checks that the value of each equation has the clock of the flow that it defines, unless that flow may be absent
+    /// in further cycles.
     fn equations(&mut self) {
         for k in 0..self.solver.reads.definitions.len() {
             if let Definition::Equation(_, equation) = self.solver.reads.definitions[k]
@@ -290,12 +266,14 @@ impl<'u> Check<'_, 'u> {
             let mut clocks = part.iter();
             if let Some(clock) = clocks.find(|clock| *clock != own && own != Clock::ANY) {
                 self.report_mismatch(clock, own, equation.value);
+                self.hint_kept_value(target, equation.value);
                 return;
             }
         }
     }
 
-    /// Returns whether a flow also accepts values of slower clocks.
+    /// Whether a flow accepts a value with a slower clock than its own: its clock is inferred, or it is declared
+    /// optional.
     fn accepts_slower(&self, flow: FlowId) -> bool {
         self.solver.inferred[flow.0 as usize]
             || !self.is_lustre()
@@ -350,14 +328,15 @@ impl<'u> Check<'_, 'u> {
         }
     }
 
-    /// Adds a diagnostic about a location without an earlier clock diagnostic.
+    /// Adds a diagnostic, unless a clock error has been reported at the same location.
     pub(super) fn add(&mut self, diagnostic: Diagnostic) {
         if self.reported.insert(diagnostic.span()) {
             self.diagnostics.push(diagnostic);
         }
     }
 
-    /// Reports `current` of a flow on the base clock. Lists operands of different clocks as a possible cause.
+    /// Reports `current` of a flow that has a value in every cycle. The diagnostic lists operands of different clocks
+    /// as a possible cause.
     fn check_useless_currents(&mut self) {
         // A mismatch around this place has been reported already; this one would follow from it.
         let reported = SpanSet::new(&self.reported);
@@ -367,9 +346,6 @@ impl<'u> Check<'_, 'u> {
             if reported.contains(span) || !self.reported.insert(span) {
                 continue;
             }
-            let label = "`current` of a flow on the base clock has no effect";
-            let mut diagnostic =
-                Diagnostic::new(Code::RPI3007, CLOCK_MISMATCH).primary(span, label);
             let mut parts = Vec::new();
             unit.expr(operand)
                 .kind
@@ -379,31 +355,46 @@ impl<'u> Check<'_, 'u> {
                 unit.expr(operand).kind,
                 TypedKind::Call(_) | TypedKind::When { .. }
             );
-            for part in parts.into_iter().filter(|_| !is_call) {
-                let clock = self.solver.common_clock(part);
-                if clock != own {
-                    let text = format!("the clock of this operand is {}", self.describe(clock));
-                    diagnostic = diagnostic.secondary(unit.expr(part).span, text);
-                }
+            let clocks = parts.into_iter().filter(|_| !is_call);
+            let clocks = clocks.map(|part| (part, self.solver.common_clock(part)));
+            let clocks: Vec<_> = clocks.collect();
+            let is_base = clocks.iter().all(|(_, clock)| *clock == own);
+            let label = match is_base {
+                true => "`current` of a flow on the base clock has no effect",
+                false => "the operands in this `current` have different clocks",
+            };
+            let mut diagnostic =
+                Diagnostic::new(Code::RPI3007, CLOCK_MISMATCH).primary(span, label);
+            for (part, clock) in clocks.into_iter().filter(|_| !is_base) {
+                let text = match clock == Clock::BASE {
+                    true => "this operand is on the base clock".to_owned(),
+                    false => format!("the clock of this operand is {}", self.describe(clock)),
+                };
+                diagnostic = diagnostic.secondary(unit.expr(part).span, text);
             }
             let diagnostic = match self.sampled_currents.get(&id) {
                 Some(whole) => diagnostic
-                    .help(
-                        "`current` binds before `when`: `current (x when c)` holds what is sampled",
-                    )
+                    .help("`current` binds before `when`: the parentheses make it hold what is sampled")
                     .fix(
                         Fix::maybe("hold what is sampled")
                             .insert_before(unit.expr(operand).span, "(")
                             .insert_after(*whole, ")"),
                     ),
-                None => diagnostic.help(SAMPLE_OR_HOLD),
+                None if is_base => diagnostic.help(
+                    "leave out `current`, which holds a value that is sampled by `when`",
+                ),
+                None if self.is_lustre() => diagnostic.help(sample_or_hold(true)),
+                None => diagnostic.help(format!(
+                    "operands of different clocks are present together in some cycles: {} holds their latest result",
+                    self.held(operand)
+                )),
             };
             self.diagnostics.push(diagnostic);
         }
     }
 
-    /// Returns whether an initialisation (`->`, or `if` on the first cycle) has operands of one clock. Any other `if`
-    /// may mix clocks.
+    /// Whether the operands of an initialisation (`->`, or `if` on the first cycle) have the same clock. Reports a
+    /// mismatch. Operands of any other `if` may have different clocks.
     fn check_initialisation(
         &mut self,
         id: ExprId,

@@ -8,7 +8,7 @@ use crate::facts::Definition;
 use crate::typed::{Call, ElementwiseOp, TypedKind};
 use crate::typed::{ExprId, TargetPlace};
 
-/// Gives every expression without a clock the clock of its readers.
+/// Gives every expression without a clock of its own, such as a constant, the clock of the expressions that read it.
 pub(super) fn settle_constants(solver: &mut Solver<'_>) {
     let mut open = Undetermined(vec![false; solver.unit.exprs.len()]);
     for (k, row) in solver.exprs.iter().enumerate() {
@@ -36,19 +36,19 @@ pub(super) fn settle_constants(solver: &mut Solver<'_>) {
     }
 }
 
-/// For each expression, whether inference left it without a clock of its own.
+/// For each expression, whether inference has not determined its clock, because it consists of constants.
 struct Undetermined(Vec<bool>);
 
 struct ConstantClocks<'s, 'u> {
     solver: &'s mut Solver<'u>,
     open: Undetermined,
-    /// For each expression, whether a reader has been visited.
+    /// For each expression, whether an expression that reads it has been visited.
     reached: Vec<bool>,
 }
 
 impl<'u> ConstantClocks<'_, 'u> {
-    /// Gives an expression without a clock of its own the clock on which a reader uses it. A second reader lowers it to
-    /// the common clock of both.
+    /// Gives an expression without a clock of its own the clock `wanted` on which an expression reads it. If several
+    /// expressions read it, it gets their common clock.
     fn set_prim_arg(&mut self, id: ExprId, wanted: &LeafClocks<Clock>) {
         let k = id.0 as usize;
         if !self.open.0[k] {
@@ -175,7 +175,7 @@ impl<'u> ConstantClocks<'_, 'u> {
     }
 }
 
-/// Returns the clock of a case of a `merge`.
+/// Returns the clock of the case of a `merge` for the value `value` of `on`; `None` if `on` is not a flow.
 pub(super) fn case_clock(solver: &mut Solver<'_>, on: ExprId, value: u32) -> Option<Clock> {
     let by = canonical_condition::condition(solver, on, 0)?;
     Some(solver.ticks.intern(Sampling {

@@ -2,7 +2,7 @@
 
 use crate::typed::{BlockId, FlowId, Unit};
 
-/// Blocks of a unit, each marked with whether it may be inactive while its parent block is active.
+/// Blocks of a unit, with whether each may be inactive while its parent block is active.
 #[derive(Clone, Debug)]
 pub struct InactiveBlocks<'u> {
     unit: &'u Unit,
@@ -10,7 +10,7 @@ pub struct InactiveBlocks<'u> {
 }
 
 impl<'u> InactiveBlocks<'u> {
-    /// Creates the table for a unit. Blocks with a condition and states of automata may be inactive.
+    /// Creates the table for a unit. Blocks with an activation condition and states of automata may be inactive.
     #[must_use]
     pub fn new(unit: &'u Unit) -> Self {
         let has_condition = unit.blocks.iter().map(|block| block.when.is_some());
@@ -27,14 +27,14 @@ impl<'u> InactiveBlocks<'u> {
         }
     }
 
-    /// Returns whether any block may be inactive.
+    /// Whether any block of the unit may be inactive.
     #[must_use]
     pub fn has_inactive(&self) -> bool {
         self.may_be_inactive.contains(&true)
     }
 
-    /// Returns whether any of the blocks from `from` outwards, up to but not including `to`, may be inactive. False if
-    /// `to` does not enclose `from`.
+    /// Whether any of the blocks from `from` outwards, up to but not including `to`, may be inactive. `false` if `to`
+    /// does not enclose `from`.
     #[must_use]
     pub fn crosses_inactive(&self, from: BlockId, to: BlockId) -> bool {
         let mut block = from;
@@ -49,7 +49,8 @@ impl<'u> InactiveBlocks<'u> {
         crossed
     }
 
-    /// Returns whether an expression in block `reader` reads `flow` from outside a block that may be inactive.
+    /// Whether an expression in block `reader` is outside of a block that contains `flow` and may be inactive, so that
+    /// the flow may be absent for the expression.
     #[must_use]
     pub fn is_outside(&self, flow: FlowId, reader: BlockId) -> bool {
         let own = self.unit.flow(flow).block;

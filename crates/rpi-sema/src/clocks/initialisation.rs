@@ -5,10 +5,10 @@ use crate::clocks::check::Check;
 use crate::clocks::clock::Clock;
 use crate::typed::ExprId;
 use crate::typed::TypedKind;
-use rpi_diag::{Code, Diagnostic, Fix};
+use rpi_diag::{Code, Diagnostic, Fix, Quote};
 
 impl Check<'_, '_> {
-    /// Returns whether both operands of an initialisation have the same clock, leaf by leaf. Reports a mismatch.
+    /// Whether both operands of an initialisation have the same clock, leaf by leaf (scalar part). Reports a mismatch.
     pub(super) fn check_same_clock(&mut self, id: ExprId, sides: [ExprId; 2]) -> bool {
         let unit = self.solver.unit;
         let count = unit.expr(id).ty.leaf_count();
@@ -20,10 +20,21 @@ impl Check<'_, '_> {
         let message = format!("clock mismatch in a delay: {first_words}, then {later_words}");
         let [first_span, later_span] = sides.map(|side| unit.expr(side).span);
         let diagnostic = Diagnostic::new(Code::RPI3009, message)
-            .primary(first_span, format!("the first value is present {}", presence_phrase(&first_words)))
-            .secondary(later_span, format!("the later values are present {}", presence_phrase(&later_words)))
-            .help("for a value in all cycles: `x ?? other`, `hold(x, init)` or `present(x)` of the sampled side")
-            .help("for a delay on the slower clock: sample the other side too, `x when c`");
+            .primary(
+                first_span,
+                format!(
+                    "the first value is present {}",
+                    presence_phrase(&first_words)
+                ),
+            )
+            .secondary(
+                later_span,
+                format!(
+                    "the later values are present {}",
+                    presence_phrase(&later_words)
+                ),
+            )
+            .help(self.initialisation_help(sides, [first, later]));
         let diagnostic = match self.fix_sample_other_side(sides, [first, later]) {
             Some(fix) => diagnostic.fix(fix),
             None => diagnostic,
@@ -32,7 +43,27 @@ impl Check<'_, '_> {
         false
     }
 
-    /// Returns a fix that samples the faster operand like the slower one, if a single sampling separates their clocks.
+    /// Returns the help text for an initialisation whose operands have different clocks: sample both operands, or hold
+    /// the sampled one. `sides` are the operands with their `clocks`.
+    fn initialisation_help(&self, sides: [ExprId; 2], clocks: [Clock; 2]) -> String {
+        let unit = self.solver.unit;
+        let sampled = match clocks[0] == Clock::BASE {
+            true => sides[1],
+            false => sides[0],
+        };
+        let (span, ty) = (unit.expr(sampled).span, &unit.expr(sampled).ty);
+        let (value, zero) = (Quote::text(span), ty.zero_literal());
+        let zero = zero.unwrap_or("...".to_owned());
+        match clocks.contains(&Clock::BASE) {
+            true => format!(
+                "sample both sides alike, or hold the sampled one in the other cycles: `hold({value}, {zero})`"
+            ),
+            false => "sample both sides by one condition".to_owned(),
+        }
+    }
+
+    /// Returns a fix that samples the operand with the faster clock like the other one. `None` unless a single sampling
+    /// by a flow separates the two clocks.
     fn fix_sample_other_side(&self, sides: [ExprId; 2], clocks: [Clock; 2]) -> Option<Fix> {
         let unit = self.solver.unit;
         let (slow, fast) = match self.solver.parent(clocks[0]) == Some(clocks[1]) {
@@ -60,8 +91,9 @@ impl Check<'_, '_> {
     }
 }
 
-/// Returns words for the cycles in which a value is present, for use after "is present".
-fn presence_phrase(words: &str) -> String {
+/// Returns the phrase `words`, which describes cycles in which a value is present, in the form for use after "is
+/// present": "only ..." for a clock in backticks.
+pub(super) fn presence_phrase(words: &str) -> String {
     match words.starts_with('`') {
         true => format!("only {words}"),
         false => words.to_owned(),

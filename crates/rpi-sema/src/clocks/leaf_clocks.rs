@@ -2,17 +2,17 @@
 
 use std::rc::Rc;
 
-/// Clocks of the scalar parts of a value: one for all, or one for each.
+/// Clocks of the leaves (scalar parts) of a value: one clock for all leaves, or one for each.
 #[derive(Clone, PartialEq, Eq, Debug)]
 pub enum LeafClocks<C> {
-    /// Clock shared by all leaves.
+    /// All leaves have this clock.
     Uniform(C),
-    /// One clock for each leaf; not all are equal.
+    /// One clock for each leaf (scalar part); at least two of them differ.
     PerLeaf(Rc<[C]>),
 }
 
 impl<C: Copy + PartialEq> LeafClocks<C> {
-    /// Returns the clock of leaf `k`.
+    /// Returns the clock of the leaf with index `k`.
     #[must_use]
     pub fn leaf(&self, k: usize) -> C {
         match self {
@@ -21,7 +21,7 @@ impl<C: Copy + PartialEq> LeafClocks<C> {
         }
     }
 
-    /// Returns the clock shared by all leaves, if there is one.
+    /// Returns the clock that all leaves share; `None` if the leaves have different clocks.
     #[must_use]
     pub fn uniform(&self) -> Option<C> {
         match self {
@@ -30,7 +30,7 @@ impl<C: Copy + PartialEq> LeafClocks<C> {
         }
     }
 
-    /// Iterates over the clocks of the leaves in order; over a shared clock once.
+    /// Iterates over the clocks of the leaves in order. A clock that all leaves share is returned once.
     pub fn iter(&self) -> impl Iterator<Item = C> + '_ {
         match self {
             LeafClocks::Uniform(clock) => std::slice::from_ref(clock).iter().copied(),
@@ -38,7 +38,7 @@ impl<C: Copy + PartialEq> LeafClocks<C> {
         }
     }
 
-    /// Creates the clocks of a value from those of its successive leaves. A value without leaves gets the clock
+    /// Creates the clocks of a value from the clocks of its leaves in order. A value without leaves gets the clock
     /// `otherwise`.
     pub(super) fn from_leaves(leaves: impl Iterator<Item = C>, otherwise: C) -> LeafClocks<C> {
         let leaves: Vec<C> = leaves.collect();
@@ -51,7 +51,7 @@ impl<C: Copy + PartialEq> LeafClocks<C> {
         }
     }
 
-    /// Returns the clocks of `count` leaves, from leaf `at` on.
+    /// Returns the clocks of `count` leaves from the leaf with index `at` on.
     pub(super) fn part(&self, at: usize, count: usize) -> LeafClocks<C> {
         match self {
             LeafClocks::Uniform(clock) => LeafClocks::Uniform(*clock),
@@ -62,7 +62,7 @@ impl<C: Copy + PartialEq> LeafClocks<C> {
         }
     }
 
-    /// Returns a copy with each clock replaced by `of(clock)`.
+    /// Returns the clocks with each clock replaced by `of(clock)`.
     pub(super) fn map_arrays<D: Copy + PartialEq>(&self, of: impl Fn(C) -> D) -> LeafClocks<D> {
         match self {
             LeafClocks::Uniform(clock) => LeafClocks::Uniform(of(*clock)),

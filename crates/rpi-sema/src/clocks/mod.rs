@@ -14,13 +14,14 @@
 //! | `solve.rs`, `calls.rs` | greatest solution; clocks of a callee's ports in the caller's terms |
 //! | `canonical_condition.rs` | canonical names of deciding flows |
 //! | `constants.rs` | constants take the clock of their readers |
-//! | `check.rs`, `initialisation.rs`, `span_set.rs` | clock mismatches |
+//! | `check.rs`, `clock_help.rs`, `initialisation.rs`, `span_set.rs` | clock mismatches |
 //! | `inactive_blocks.rs` | flows of blocks that may be inactive |
 
 mod calls;
 pub(crate) mod canonical_condition;
 mod check;
 mod clock;
+mod clock_help;
 pub(crate) mod constants;
 pub(crate) mod inactive_blocks;
 pub(crate) mod initialisation;
@@ -41,53 +42,54 @@ use crate::typed::{ExprId, FlowId, Unit};
 use rpi_diag::Diagnostic;
 use std::fmt::Write as _;
 
-/// Index of a clock in [`Clocks`] of a unit.
+/// Index of a clock in the table [`Clocks`] of a unit.
 #[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Debug)]
 pub struct ClockId(u32);
 
 impl ClockId {
-    /// Base clock: all cycles of the unit.
+    /// Base clock, which ticks in all cycles of the unit.
     pub const BASE: ClockId = ClockId(0);
 }
 
-/// Clocks of all expressions and flows of a unit. Empty if nothing in the unit is sampled.
+/// Clocks of all expressions and flows of a unit. Empty if no flow of the unit is sampled, so that all have values in
+/// all cycles.
 #[derive(Clone, Debug, Default)]
 pub struct Clocks {
-    /// For each clock, its samplings from the base clock of the unit on.
+    /// For each clock, indexed by [`ClockId`], its samplings from the base clock of the unit on.
     paths: Vec<Vec<Sampling>>,
     exprs: Vec<LeafClocks<ClockId>>,
     flows: Vec<LeafClocks<ClockId>>,
-    /// For each call, the clock on which it runs.
+    /// For each call expression, the clock on which the call runs.
     calls: FastMap<ExprId, ClockId>,
-    /// Flows that are clock conditions of the outputs, each with its own clock. Callers refer to them by index.
+    /// Clock conditions of the unit's outputs, each with its own clock. Callers refer to them by their index in this
+    /// list.
     exposed: Vec<(ClockCondition, ClockId)>,
-    /// For each expression, whether it reads a flow of a block that may be inactive.
+    /// For each expression, whether it reads a flow of a block that may be inactive, from outside of the block.
     reads_inactive: Vec<bool>,
 }
 
 impl Clocks {
-    /// Returns whether the unit has any sampled flow.
+    /// Whether the unit has any sampled flow.
     #[must_use]
     pub fn has_samplings(&self) -> bool {
         !self.exprs.is_empty()
     }
 
-    /// Returns the clocks of the leaves of an expression.
+    /// Returns the clocks of the leaves (scalar parts) of an expression.
     #[must_use]
     pub fn expr_clocks(&self, id: ExprId) -> LeafClocks<ClockId> {
         let known = self.exprs.get(id.0 as usize);
         known.cloned().unwrap_or(LeafClocks::Uniform(ClockId::BASE))
     }
 
-    /// Returns the clock of leaf `k` of an expression.
+    /// Returns the clock of the leaf (scalar part) with index `k` of an expression.
     #[must_use]
     pub fn leaf(&self, id: ExprId, k: usize) -> ClockId {
         let known = self.exprs.get(id.0 as usize);
         known.map_or(ClockId::BASE, |row| row.leaf(k))
     }
 
-    /// Returns the clock on which an expression is evaluated. For a call this may differ from the clocks of its
-    /// results.
+    /// Returns the clock on which an expression is evaluated. For a call, it may differ from the clocks of the results.
     #[must_use]
     pub fn computed_on(&self, id: ExprId) -> ClockId {
         match self.calls.get(&id) {
@@ -96,20 +98,20 @@ impl Clocks {
         }
     }
 
-    /// Returns the clocks of the leaves of a flow.
+    /// Returns the clocks of the leaves (scalar parts) of a flow.
     #[must_use]
     pub fn flow_clocks(&self, id: FlowId) -> LeafClocks<ClockId> {
         let known = self.flows.get(id.0 as usize);
         known.cloned().unwrap_or(LeafClocks::Uniform(ClockId::BASE))
     }
 
-    /// Returns the samplings of a clock, from the base clock on.
+    /// Returns the samplings of a clock from the base clock on; empty for the base clock.
     #[must_use]
     pub fn path(&self, clock: ClockId) -> &[Sampling] {
         self.paths.get(clock.0 as usize).map_or(&[], Vec::as_slice)
     }
 
-    /// Returns the samplings of `clock` that the clock of a reader does not share.
+    /// Returns the samplings of `clock` that remain after those that it has in common with the clock `reader`.
     #[must_use]
     pub fn samplings_beyond(&self, clock: ClockId, reader: ClockId) -> &[Sampling] {
         let (own, read) = (self.path(clock), self.path(reader));
@@ -117,8 +119,9 @@ impl Clocks {
         &own[common.count()..]
     }
 
-    /// For leaf `k` of the operand of `x when c`: splits its samplings into those in common with the clock of `c` and
-    /// the remaining ones.
+    /// Splits the clock of the operand of `x when c` into the samplings that it has in common with the clock of `c`,
+    /// and the remaining ones. `value` is the operand `x`, `k` is the index of its leaf (scalar part), and `when` is
+    /// the whole expression.
     #[must_use]
     pub fn split_operand_samplings(
         &self,
@@ -133,14 +136,14 @@ impl Clocks {
         own.split_at(common)
     }
 
-    /// Returns whether a reader on clock `reader` sees a leaf on `clock` as optional: absent where `clock` does not
-    /// tick.
+    /// Whether a leaf (scalar part) on `clock` is optional for an expression on the clock `reader`: absent in cycles in
+    /// which only `reader` ticks.
     #[must_use]
     pub fn is_slower(&self, clock: ClockId, reader: ClockId) -> bool {
         clock != reader && !self.samplings_beyond(clock, reader).is_empty()
     }
 
-    /// Returns whether an expression reads a flow of a block that may be inactive.
+    /// Whether an expression reads a flow of a block that may be inactive, from outside of the block.
     #[must_use]
     pub fn reads_inactive_block(&self, id: ExprId) -> bool {
         self.reads_inactive
@@ -149,15 +152,16 @@ impl Clocks {
             .unwrap_or(false)
     }
 
-    /// Returns the flows that are clock conditions of the outputs, each with its own clock. Callers refer to them by
-    /// index.
+    /// Returns the clock conditions of the unit's outputs, each with its own clock. Callers refer to them by their
+    /// index in this list.
     #[must_use]
     pub fn exposed(&self) -> &[(ClockCondition, ClockId)] {
         &self.exposed
     }
 }
 
-/// Infers the clocks of a unit and reports mismatches. `facts` holds the results for the units that it calls.
+/// Infers the clocks of a unit and reports mismatches. `units` are all units of the program, and `facts` are the
+/// results of the analysis for the units that this unit calls.
 #[must_use]
 pub fn infer(units: &[Unit], facts: &[Facts], unit: &Unit) -> (Clocks, Vec<Diagnostic>) {
     match unit.has_clocks || calls_sampled(units, facts, unit) {
@@ -166,7 +170,7 @@ pub fn infer(units: &[Unit], facts: &[Facts], unit: &Unit) -> (Clocks, Vec<Diagn
     }
 }
 
-/// Returns whether a unit calls a unit with sampled ports.
+/// Whether a unit calls a unit with sampled ports.
 fn calls_sampled(units: &[Unit], facts: &[Facts], unit: &Unit) -> bool {
     unit.exprs.iter().any(|expr| match &expr.kind {
         TypedKind::Call(call) => {
@@ -179,7 +183,8 @@ fn calls_sampled(units: &[Unit], facts: &[Facts], unit: &Unit) -> bool {
     })
 }
 
-/// Formats a clock as in the source, `when c when not d`; empty for the base clock.
+/// Returns a clock in the syntax of the source, such as `when c when not d`; empty for the base clock. `path` is the
+/// clock as samplings from the base clock on.
 #[must_use]
 pub fn format_clock(units: &[Unit], facts: &[Facts], unit: &Unit, path: &[Sampling]) -> String {
     let mut text = String::new();
@@ -193,8 +198,8 @@ pub fn format_clock(units: &[Unit], facts: &[Facts], unit: &Unit, path: &[Sampli
     text.trim_start().to_owned()
 }
 
-/// Formats the condition of a sampling: `c`, `not c` or `Value(c)`. A condition inside a call is named after its unit,
-/// `Call.c`.
+/// Returns the condition of a sampling in the syntax of the source: `c`, `not c` or `Value(c)`. A condition inside of a
+/// call is named after the called unit: `Call.c`.
 fn format_condition(units: &[Unit], facts: &[Facts], unit: &Unit, tick: Sampling) -> String {
     let ClockCondition::Flow(flow) = tick.condition else {
         return format_call_condition(units, facts, unit, tick);

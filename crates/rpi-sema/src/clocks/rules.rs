@@ -9,7 +9,7 @@ use crate::typed::{ExprId, FlowRole, Unit};
 use rpi_image::StateSize;
 
 impl Solver<'_> {
-    /// Computes the clocks of an expression from those of its operands.
+    /// Returns the clocks of the leaves (scalar parts) of an expression, computed from those of its operands.
     pub(super) fn expr(&mut self, id: ExprId) -> LeafClocks<Clock> {
         let unit = self.unit;
         let count = self.count(id);
@@ -66,8 +66,8 @@ impl Solver<'_> {
         }
     }
 
-    /// Returns the common clock of the operands of a strict operator. In Lustre the first known clock is taken; the
-    /// check compares the others with it.
+    /// Returns the common clock of the operands of a strict operator, which needs all of them. In Lustre, it is the
+    /// first known clock, with which the check compares the others.
     pub(super) fn strict(&self, operands: &[ExprId]) -> Clock {
         self.first_or_meet(operands.iter().map(|id| self.common_clock(*id)))
     }
@@ -156,7 +156,8 @@ impl Solver<'_> {
         LeafClocks::from_leaves((0..count).map(leaf), Clock::ANY)
     }
 
-    /// Computes the clocks of an element at a computed index: the meet over all elements and the index, leaf by leaf.
+    /// Returns the clocks of an array element at an index that is computed at run time. Each leaf has the common clock
+    /// of that leaf in all elements and of the index. `count` is the number of leaves of the element.
     pub(super) fn select(&self, base: ExprId, index: ExprId, count: usize) -> LeafClocks<Clock> {
         let (row, index) = (&self.exprs[base.0 as usize], self.common_clock(index));
         if let Some(one) = row.uniform() {
@@ -170,8 +171,8 @@ impl Solver<'_> {
         LeafClocks::from_leaves((0..count).map(leaf), Clock::ANY)
     }
 
-    /// Returns whether an expression has state with a first cycle of its own, such as `a -> b`. If all its operands are
-    /// constants, it runs in all cycles.
+    /// Whether an expression has state with a first cycle of its own, such as `a -> b`. Such an expression runs in all
+    /// cycles if its operands do not determine its clock. Delays and initialisations of literals do not count.
     pub(super) fn has_first_cycle(&self, id: ExprId) -> bool {
         match &self.unit.expr(id).kind {
             TypedKind::Each(ElementwiseOp::Pre | ElementwiseOp::Last, operands) => {
@@ -190,7 +191,7 @@ impl Solver<'_> {
         }
     }
 
-    /// Returns whether an expression is a literal, constant, `none` or parameter. Other constant expressions are not
+    /// Whether an expression is a literal, a constant, `none` or a parameter. Other constant expressions are not
     /// recognised.
     pub(super) fn is_constant(&self, id: ExprId) -> bool {
         match &self.unit.expr(id).kind {
@@ -201,7 +202,7 @@ impl Solver<'_> {
     }
 }
 
-/// Number of leaves of an element of an array.
+/// Returns the number of leaves (scalar parts) of an element of the array `array`.
 fn element_size(unit: &Unit, array: ExprId) -> usize {
     match &unit.expr(array).ty {
         crate::ty::Ty::Array(element, _) => element.leaf_count().max(1),

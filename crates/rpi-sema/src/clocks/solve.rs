@@ -11,7 +11,7 @@ use crate::typed::TypedKind;
 use crate::typed::{Equation, ExprId, FlowId, FlowPresence, FlowRole, TargetPlace, Unit};
 use rpi_diag::Diagnostic;
 
-/// State of the clock inference for one unit.
+/// State of the inference of clocks for one unit, with what the inference reads.
 pub(super) struct Solver<'u> {
     pub(super) units: &'u [Unit],
     pub(super) facts: &'u [Facts],
@@ -21,27 +21,31 @@ pub(super) struct Solver<'u> {
     pub(super) ticks: Samplings,
     pub(super) exprs: Vec<LeafClocks<Clock>>,
     pub(super) flows: Vec<LeafClocks<Clock>>,
-    /// For each flow, whether its clock is inferred from its equation. False for ports and for flows with a declared
-    /// clock or presence.
+    /// For each flow, whether its clock is inferred from its equation. It is not inferred for ports and for flows with
+    /// a declared clock or declared as always present.
     pub(super) inferred: Vec<bool>,
-    /// For each call, the clock on which it runs.
+    /// For each call expression, the clock on which the call runs.
     pub(super) calls: FastMap<ExprId, Clock>,
-    /// Clock of each condition inside a call that is a clock condition of the call's results.
+    /// Clock of each clock condition inside of a call, by the call expression and the index of the condition among
+    /// those of the called unit's outputs.
     pub(super) exposed_clocks: FastMap<(ExprId, u32), Clock>,
-    /// For each flow that is a clock condition, the condition that it stands for, cached.
+    /// For each flow that has been examined as a clock condition, the clock condition of which it is a copy; the flow
+    /// itself if it is no copy.
     pub(super) canonical: FastMap<FlowId, ClockCondition>,
-    /// For each flow, the definitions that define leaves of it.
+    /// For each flow, the equations that define it or parts of it, as indices in `reads.definitions`.
     pub(super) definitions_of: Vec<Vec<u32>>,
-    /// For each expression, whether it reads a flow of a block that may be inactive.
+    /// For each expression, whether it reads a flow of a block that may be inactive, from outside of the block.
     pub(super) reads_inactive: Vec<bool>,
-    /// Whether the last round has begun, in which every clock that is still [`Clock::ANY`] belongs to a constant.
+    /// Whether the last round of inference has begun. From then on, only constants still have the clock [`Clock::ANY`].
     pub(super) is_last_round: bool,
-    /// Whether the clock of a clock condition has changed. Common clocks computed from it are then out of date.
+    /// Whether the clock of a clock condition has changed in this round. Common clocks computed from it are then out of
+    /// date.
     condition_changed: bool,
     changed: Vec<FlowId>,
 }
 
-/// Infers the clocks of a unit and reports mismatches.
+/// Infers the clocks of a unit and checks them. Returns the clocks and the diagnostics about mismatches. `facts` are
+/// the results of the analysis of all units, by index.
 pub(super) fn solve(units: &[Unit], facts: &[Facts], unit: &Unit) -> (Clocks, Vec<Diagnostic>) {
     let mut solver = Solver::new(units, facts, unit);
     solver.init_declared();
@@ -94,8 +98,8 @@ impl<'u> Solver<'u> {
         }
     }
 
-    /// Sets the clocks of flows that are not inferred: of ports, of flows declared as always present, and of flows
-    /// shared by several states with each state's contribution. All other flows get the clock of their equation.
+    /// Sets the clocks of flows that are not inferred: ports, flows with a declared clock, and flows that the states of
+    /// an automaton define, with their versions in the states. All other flows get the clock of their equation later.
     fn init_declared(&mut self) {
         for (k, flow) in self.unit.flows.iter().enumerate() {
             let is_declared = flow.optional == FlowPresence::Declared(false);
@@ -132,7 +136,7 @@ impl<'u> Solver<'u> {
         }
     }
 
-    /// Puts each clock condition whose clock is still [`Clock::ANY`] on the base clock: it is a constant.
+    /// Gives each clock condition that still has the clock [`Clock::ANY`] the base clock, because it is a constant.
     fn fix_constant_conditions(&mut self) {
         for k in 0..self.ticks.len() {
             let clock = Clock::from_sampling(k);
@@ -149,8 +153,7 @@ impl<'u> Solver<'u> {
         }
     }
 
-    /// Returns whether the last round has begun, in which every clock that is still [`Clock::ANY`] belongs to a
-    /// constant.
+    /// Whether the last round of inference has begun. From then on, only constants still have the clock [`Clock::ANY`].
     pub(super) fn is_last_round(&self) -> bool {
         self.is_last_round
     }
@@ -175,7 +178,8 @@ impl<'u> Solver<'u> {
         }
     }
 
-    /// Computes again all expressions that depend on a flow within an equation, and the definitions of those that change.
+    /// Computes the clocks of all expressions that read a flow, directly or as an operand, again, and those of the
+    /// flows that these expressions define.
     fn update_readers(&mut self, flow: FlowId) {
         let mut open: Vec<u32> = self.reads.flow_readers(flow).to_vec();
         while let Some(id) = open.pop().map(ExprId) {
@@ -191,7 +195,8 @@ impl<'u> Solver<'u> {
         }
     }
 
-    /// Updates the clocks of inferred flows from the value of their definition.
+    /// Updates the clocks of the inferred flows that an equation defines from the clock of its value. `definition` is
+    /// the index of the equation.
     fn update_definition(&mut self, definition: usize) {
         let Definition::Equation(block, equation) = self.reads.definitions[definition] else {
             return;
@@ -248,14 +253,15 @@ impl<'u> Solver<'u> {
         self.exprs[id.0 as usize].leaf(k)
     }
 
-    /// Returns the common clock of all leaves of an expression.
+    /// Returns the common clock of all leaves (scalar parts) of an expression: the slowest clock from which all their
+    /// clocks are sampled.
     pub(super) fn common_clock(&self, id: ExprId) -> Clock {
         let leaves = self.exprs[id.0 as usize].iter();
         leaves.fold(Clock::ANY, |all, leaf| self.meet(all, leaf))
     }
 
-    /// Returns the clock from which a clock is sampled: the clock of its condition. `None` for the base clock and for
-    /// [`Clock::ANY`].
+    /// Returns the clock from which a clock is sampled, which is the clock of its condition. `None` for the base clock
+    /// and for [`Clock::ANY`].
     pub(super) fn parent(&self, clock: Clock) -> Option<Clock> {
         match self.ticks.sampling(clock)?.condition {
             ClockCondition::Flow(flow) => Some(self.flows[flow.0 as usize].leaf(0)),
@@ -268,8 +274,8 @@ impl<'u> Solver<'u> {
         }
     }
 
-    /// Returns a clock and its ancestors, the clock itself (the slowest) first. None if the clock is sampled from
-    /// itself.
+    /// Returns a clock and the clocks from which it is sampled, from the clock itself to the fastest one. `None` if the
+    /// clock is sampled from itself.
     pub(super) fn chain(&self, clock: Clock) -> Option<Vec<Clock>> {
         let mut chain = vec![clock];
         let mut at = clock;
@@ -283,7 +289,7 @@ impl<'u> Solver<'u> {
         Some(chain)
     }
 
-    /// Returns the slowest clock from which both clocks are sampled, as far as is known in this round.
+    /// Returns the slowest clock from which both clocks are sampled, as far as it is known in this round.
     pub(super) fn meet(&self, a: Clock, b: Clock) -> Clock {
         if a == b || b == Clock::ANY {
             return a;
@@ -308,13 +314,14 @@ impl<'u> Solver<'u> {
         }
     }
 
-    /// Records the clock of a condition inside a call.
+    /// Records the clock of the clock condition with index `number` inside of a call.
     pub(super) fn set_exposed_clock(&mut self, call: ExprId, number: u32, clock: Clock) {
         let known = self.exposed_clocks.insert((call, number), clock);
         self.condition_changed |= known.is_some_and(|known| known != clock);
     }
 
-    /// Returns the equation of a definition; none for a flow shared by states.
+    /// Returns the equation with this index among the definitions; `None` if the states of an automaton define the
+    /// flow.
     pub(super) fn equation(&self, definition: u32) -> Option<&'u Equation> {
         match self.reads.definitions[definition as usize] {
             Definition::Equation(_, equation) => Some(equation),
@@ -322,7 +329,8 @@ impl<'u> Solver<'u> {
         }
     }
 
-    /// Converts the result to [`Clocks`], with each clock as a path of samplings.
+    /// Converts the result of the inference to [`Clocks`], in which each clock is a list of samplings from the base
+    /// clock on.
     fn clocks(self) -> Clocks {
         let mut paths: Vec<Vec<Sampling>> = vec![Vec::new()];
         let mut numbers: FastMap<Clock, ClockId> = FastMap::default();

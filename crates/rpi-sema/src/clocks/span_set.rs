@@ -5,10 +5,10 @@
 use rpi_diag::Span;
 use std::collections::BTreeSet;
 
-/// Set of spans in the source text.
+/// Set of spans in the source text, for tests whether a location is within one of them.
 pub(super) struct SpanSet {
-    /// Spans in ascending order of their starts. The end of each is the greatest end of all spans before it in the
-    /// file.
+    /// Spans in ascending order of their starts. The end of each span is replaced by the greatest end of all spans up
+    /// to it in the file.
     spans: Vec<Span>,
 }
 
@@ -23,7 +23,7 @@ impl SpanSet {
         SpanSet { spans }
     }
 
-    /// Returns whether `place` lies within one of the spans.
+    /// Whether `place` lies within one of the spans.
     pub(super) fn contains(&self, place: Span) -> bool {
         let starts = |span: &Span| (span.file, span.start) <= (place.file, place.start);
         let before = self.spans.partition_point(starts);

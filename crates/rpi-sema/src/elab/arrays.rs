@@ -13,7 +13,8 @@ use rpi_net::{Input, Inputs, PortRef, Types};
 use rpi_prims::PrimId;
 use smallvec::smallvec;
 
-/// Returns the input of a net node for a port of type `ty` with the given leaves.
+/// Returns the input of a net node for an in-port of type `ty`, connected to the signals of the value's leaves (scalar
+/// parts).
 pub(super) fn elab_input(
     elab: &mut Elaborator<'_>,
     wire: &[Signal],
@@ -46,7 +47,8 @@ pub(super) fn one_input(
     }
 }
 
-/// Adds a node whose output is never present; `None` if there is no primitive for the type.
+/// Adds a net node whose output is absent in every cycle, and returns its port; `None` if there is no primitive for the
+/// type.
 pub(super) fn absent_leaves(
     elab: &mut Elaborator<'_>,
     scalar: Scalar,
@@ -69,7 +71,8 @@ pub(super) fn absent_leaves(
     Some(PortRef { node, port: 0 })
 }
 
-/// Returns the port of one element of an array port. The element is extracted once, in the fragment of the array.
+/// Returns the port with element `k` of an array port. The element is extracted once, in the fragment of the array, and
+/// the port is used again.
 pub(super) fn elab_element(
     elab: &mut Elaborator<'_>,
     array: PortRef,
@@ -91,7 +94,7 @@ pub(super) fn elab_element(
     port
 }
 
-/// Adds a node that extracts one element of an array.
+/// Adds a net node that extracts element `k` of an array port, and returns its port. `ty` is the type of the array.
 fn extract_element(
     elab: &mut Elaborator<'_>,
     array: PortRef,
@@ -115,8 +118,8 @@ fn extract_element(
     Some(PortRef { node, port: 0 })
 }
 
-/// Returns an array as one input of a net node. If some leaves are unresolved aliases, packing is deferred to the end,
-/// because the leaves may turn out to be the elements of an existing array.
+/// Returns an array as one input of a net node. If some leaves (scalar parts) are placeholders for signals that are not
+/// known yet, packing is deferred to the end, because the leaves may turn out to be the elements of an existing array.
 fn array_input(
     elab: &mut Elaborator<'_>,
     wire: &[Signal],
@@ -137,7 +140,8 @@ fn array_input(
     resolved_array(elab, wire, ty, at, span)
 }
 
-/// Returns an array whose leaves are all known as one input of a net node.
+/// Returns an array as one input of a net node. All its leaves (scalar parts) are known: they are an existing array
+/// port, constants, or values that added nodes pack into an array.
 pub(super) fn resolved_array(
     elab: &mut Elaborator<'_>,
     wire: &[Signal],
@@ -161,7 +165,8 @@ pub(super) fn resolved_array(
     }
 }
 
-/// Returns the port of type `ty` whose elements are exactly these leaves, in order.
+/// Returns the port of type `ty` whose elements are exactly these leaves (scalar parts), in order; `None` if there is
+/// none.
 fn existing_array(elab: &Elaborator<'_>, wire: &[Signal], ty: Type) -> Option<PortRef> {
     let Some(Signal::Element(array, 0)) = wire.first() else {
         return None;
@@ -174,7 +179,8 @@ fn existing_array(elab: &Elaborator<'_>, wire: &[Signal], ty: Type) -> Option<Po
     (in_order && same && wire.len() == elements_at(ty)).then_some(*array)
 }
 
-/// Creates an array and fills it element by element.
+/// Adds net nodes that create an array and set its elements one by one. Returns the port with the array; `None` if
+/// there are no primitives for the type.
 fn build_array(
     elab: &mut Elaborator<'_>,
     wire: &[Signal],
@@ -219,7 +225,8 @@ fn build_array(
     Some(array)
 }
 
-/// Returns the port of a node with the value of a signal, for inputs that accept only ports; adds a node if necessary.
+/// Returns a port with the value of a signal, for inputs that accept only ports. Adds a net node if the signal is not a
+/// port; `None` if there is no primitive for its type.
 pub(super) fn port_of(
     elab: &mut Elaborator<'_>,
     signal: &Signal,
@@ -248,10 +255,10 @@ pub(super) fn port_of(
     }
 }
 
-/// Primitives that create and fill an array of one type.
+/// Primitives that create an array or matrix of one type and set its elements.
 struct ArrayPrims {
     create: PrimId,
-    /// Size parameters, by name.
+    /// Size parameters of these primitives: name and value.
     sizes: Vec<(&'static str, u32)>,
     set: PrimId,
     /// Machine type of the elements.
@@ -278,7 +285,7 @@ impl ArrayPrims {
     }
 }
 
-/// Returns the parameters that select element `k`.
+/// Returns the parameters, with their values, that select element `k` of an array or matrix of type `ty`.
 fn element_params(ty: Type, k: u32) -> Vec<(&'static str, u32)> {
     match ty {
         Type::Scalar(_) => Vec::new(),
@@ -287,7 +294,7 @@ fn element_params(ty: Type, k: u32) -> Vec<(&'static str, u32)> {
     }
 }
 
-/// Returns the type of a port of a primitive for this number of leaves. A matrix of unknown shape gets one row.
+/// Returns the type of a primitive's port that carries this number of leaves (scalar parts). A matrix gets one row.
 pub(super) fn default_port_type(port: PortType, leaves: usize) -> Type {
     let n = u32::try_from(leaves).unwrap_or(u32::MAX);
     match port {
@@ -305,7 +312,7 @@ fn elements_at(ty: Type) -> usize {
     }
 }
 
-/// Returns the parameters of a primitive: the given ones by name, defaults for the others.
+/// Returns the values of a primitive's parameters in their order: those in `given` by name, defaults for the others.
 fn sized_params(prim: PrimId, given: &[(&str, u32)]) -> Vec<Value> {
     let value = |param: &rpi_image::Param| {
         let given = given.iter().find(|(name, _)| *name == param.name);

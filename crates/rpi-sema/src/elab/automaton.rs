@@ -23,22 +23,22 @@ use rpi_image::{Scalar, Value};
 use rpi_net::prim;
 use rpi_net::{FragmentId, Restart};
 
-/// State of an automaton in the next cycle, and whether it is entered with a restart.
+/// Number of the state that an automaton takes next, and whether that state is entered with a restart.
 #[derive(Clone)]
 struct NextState {
     state: Signal,
     restart: Signal,
 }
 
-/// Transitions out of one state of an automaton, weak or strong.
+/// Transitions out of one state of an automaton: either its weak transitions or its strong ones.
 struct StateTransitions<'u, 's> {
     transitions: &'u [Transition],
-    /// Whether the automaton is in this state.
+    /// Boolean signal: whether the automaton is in this state.
     is_active: &'s Signal,
     automaton: Span,
 }
 
-/// Elaborates an automaton in the fragment at `at`.
+/// Elaborates an automaton to nodes of the net, in the fragment of `at`.
 pub(super) fn elab_automaton<'u>(
     elab: &mut Elaborator<'u>,
     scope: &mut Scope<'u>,
@@ -81,8 +81,8 @@ pub(super) fn elab_automaton<'u>(
     }
 }
 
-/// Adds the registers of an automaton. Returns the state and restart flag at the start of a cycle, and the aliases to
-/// bind to their values for the next cycle.
+/// Adds the registers of an automaton, which store its state and whether the state is entered with a restart. Returns
+/// both as of the start of a cycle, and the placeholder ports to which their values for the next cycle must be bound.
 fn state_registers(
     elab: &mut Elaborator<'_>,
     automaton: &Automaton,
@@ -134,7 +134,8 @@ fn state_registers(
     )
 }
 
-/// Returns the state of this cycle after the strong transitions, which act before the state runs.
+/// Returns the state of this cycle after the strong transitions, which act before the state runs. `memory` is the state
+/// at the start of the cycle.
 fn strong_transitions<'u>(
     elab: &mut Elaborator<'u>,
     scope: &mut Scope<'u>,
@@ -161,8 +162,9 @@ fn strong_transitions<'u>(
     current
 }
 
-/// Returns the position for evaluating the conditions of strong transitions. A condition that can fault is guarded by
-/// its state. Registers in the conditions still run in all cycles, because they belong to the surroundings.
+/// Returns the position for evaluating the conditions of the strong transitions of one state. If a condition can fault,
+/// it is evaluated only while `here`, the automaton is in the state. Registers in the conditions still run in all
+/// cycles, because they belong to the fragment around the automaton.
 fn guard_conditions<'u>(
     elab: &mut Elaborator<'u>,
     scope: &Scope<'u>,
@@ -178,7 +180,7 @@ fn guard_conditions<'u>(
     }
 }
 
-/// Returns the target of the first transition whose condition holds, or `otherwise`.
+/// Returns the target of the first transition whose condition holds; `otherwise` if no condition holds.
 fn check_transitions<'u>(
     elab: &mut Elaborator<'u>,
     scope: &mut Scope<'u>,
@@ -234,8 +236,9 @@ fn select_next(
     }
 }
 
-/// Returns whether state `k` restarts if it runs in this cycle. It also restarts if it was entered with a restart
-/// earlier and left by a strong transition before it ran (M14.6).
+/// Returns the signal that is true if state `k` restarts when it runs in this cycle. It also restarts if it was entered
+/// with a restart earlier and left by a strong transition before it ran (M14.6). `memory` and `current` are the states
+/// before and after the strong transitions.
 fn restart_condition(
     elab: &mut Elaborator<'_>,
     (automaton, k): (&Automaton, usize),
@@ -318,7 +321,7 @@ fn state_fragment<'u>(
     call::elab_fragment(elab, &path, at.fragment, activation, restart, block.span)
 }
 
-/// Elaborates a flow that the states of an automaton share: the value from the active state, or the default.
+/// Defines a flow that several states of an automaton define: by the value from the active state, or by the default.
 fn shared_flow<'u>(
     elab: &mut Elaborator<'u>,
     scope: &mut Scope<'u>,
@@ -340,8 +343,8 @@ fn shared_flow<'u>(
     flows::define(elab, scope, shared.flow, 0, &merged);
 }
 
-/// Returns the value of a flow shared by states as defined by the active state. The values from inactive states are
-/// absent.
+/// Returns the value that the active state gives to a flow defined by several states. Values from inactive states are
+/// absent, so that the first present value is taken.
 fn first_present<'u>(
     elab: &mut Elaborator<'u>,
     scope: &mut Scope<'u>,
@@ -368,8 +371,8 @@ fn first_present<'u>(
     merged.unwrap_or_else(crate::elab::signal::empty_wire)
 }
 
-/// Returns the value of a shared flow as defined by the active state if that state defines it (the value may still be
-/// absent), else the default.
+/// Returns the value that the active state gives to a flow defined by several states, which may be absent; in states
+/// that do not define the flow, the value of its default.
 fn with_default<'u>(
     elab: &mut Elaborator<'u>,
     scope: &mut Scope<'u>,
@@ -410,8 +413,8 @@ fn number_literal(k: usize) -> Signal {
     Signal::Const(Value::int(k as i64))
 }
 
-/// Returns whether state `k` can be entered with a restart, left before it runs, and entered again by `continue`. Other
-/// states need no register for a pending restart.
+/// Returns whether state `k` can be entered with a restart, left before it runs, and entered again by `continue`. Only
+/// such a state needs a register for a pending restart.
 fn can_have_pending_restart(automaton: &Automaton, k: usize) -> bool {
     let weak = automaton.states.iter().flat_map(|state| &state.until);
     let strong = automaton.states.iter().flat_map(|state| &state.unless);
@@ -421,7 +424,7 @@ fn can_have_pending_restart(automaton: &Automaton, k: usize) -> bool {
         && weak.chain(strong).filter(enters).any(|one| one.resumes)
 }
 
-/// Returns the next state of an automaton that takes no transition: the same state, without a restart.
+/// Returns the next state of an automaton in a cycle without a transition: the same state, without a restart.
 fn no_transition(state: &Signal) -> NextState {
     NextState {
         state: state.clone(),

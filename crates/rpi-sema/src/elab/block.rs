@@ -20,7 +20,8 @@ use crate::typed::Expr;
 use crate::typed::{BlockId, Equation, Flow, Target, TargetPlace, Unit};
 use rpi_net::{self as net, PortRef, Restart};
 
-/// Returns whether an equation must keep a node of its own although nothing reads it: all its targets are named `_...`.
+/// Returns whether an equation needs a net node of its own although nothing reads its value: all its targets are flows
+/// with names that begin with `_`.
 fn must_keep_node(unit: &Unit, equation: &Equation) -> bool {
     equation.targets.iter().all(|target| match target.place {
         TargetPlace::Flow { flow, .. } => unit.flow(flow).name.starts_with('_'),
@@ -28,7 +29,7 @@ fn must_keep_node(unit: &Unit, equation: &Equation) -> bool {
     })
 }
 
-/// Elaborates all blocks of a unit. A block comes after its parent.
+/// Elaborates all blocks of a unit, each after its parent block, at the position `at` of the net.
 pub(super) fn body<'u>(elab: &mut Elaborator<'u>, scope: &mut Scope<'u>, at: Position) {
     scope.fragments[0] = Some(at.fragment);
     for block in (0..scope.unit.blocks.len())
@@ -51,8 +52,8 @@ pub(super) fn body<'u>(elab: &mut Elaborator<'u>, scope: &mut Scope<'u>, at: Pos
     fragment_outputs::assign_pending_gates(elab, scope);
 }
 
-/// Returns the position for elaborating a contract: in the fragment of its parent block. `None` if claims are switched
-/// off.
+/// Returns the position for elaborating a contract, which is in the fragment of its parent block. `None` if claims are
+/// left out.
 fn contract_position<'u>(
     elab: &Elaborator<'u>,
     scope: &mut Scope<'u>,
@@ -131,7 +132,7 @@ fn elab_block_content<'u>(
     scope.base = around;
 }
 
-/// Sets the flow after which the following nodes are named.
+/// Sets the flow name from which the names of the following net nodes are formed.
 pub(super) fn set_node_name(elab: &mut Elaborator<'_>, name: &str) {
     name.clone_into(&mut elab.naming.name);
     elab.naming.serial = 0;
@@ -165,7 +166,7 @@ fn elab_equation<'u>(
     write_ports(elab, scope, equation, &wire, at);
 }
 
-/// Writes the leaves of an equation's value to the actuators among its targets.
+/// Adds the writes of an equation's value to the actuator ports among its targets. `wire` has the signals of the value.
 fn write_ports<'u>(
     elab: &mut Elaborator<'u>,
     scope: &mut Scope<'u>,
@@ -184,7 +185,8 @@ fn write_ports<'u>(
     }
 }
 
-/// Inserts a node for each leaf that the equation only copies from another flow.
+/// Adds a net node for each leaf (scalar part) of an equation's value that is only a copy of another flow, and returns
+/// the signals of the copies. The nodes make the copy visible in messages.
 fn insert_copies(elab: &mut Elaborator<'_>, wire: &Wire, value: &Expr, at: Position) -> Wire {
     let leaves = leaf_scalars(&value.ty).into_iter().zip(&**wire);
     leaves
@@ -201,7 +203,8 @@ fn is_of_another_flow(elab: &Elaborator<'_>, port: PortRef) -> bool {
     alias_of(port).is_some() || elab.net.node(port.node).origin.flow.is_some()
 }
 
-/// Names the nodes that compute the leaves of an equation's target after the target.
+/// Names the net nodes that compute the value of an equation after its target. `path` is the name of the target, `wire`
+/// has the signals of the value, and `before` is the number of nodes before the equation.
 fn name_results(
     elab: &mut Elaborator<'_>,
     path: &str,
@@ -223,7 +226,8 @@ fn name_results(
     }
 }
 
-/// Names the nodes with index `before` or greater that compute the leaves of a wire after these leaves.
+/// Names the net nodes that compute the leaves (scalar parts) of a value after the path of each leaf. Nodes with an
+/// index below `before` retain their names.
 pub(super) fn name_leaves(
     elab: &mut Elaborator<'_>,
     path: &str,
@@ -239,7 +243,8 @@ pub(super) fn name_leaves(
     });
 }
 
-/// Names the node that computes a leaf, if its index is `before` or greater and it has no name yet.
+/// Names the net node that computes a leaf (scalar part) `path` + `suffix`, if its index is `before` or greater and it
+/// has no name yet.
 fn name_result(elab: &mut Elaborator<'_>, port: PortRef, path: &str, suffix: &str, before: usize) {
     if alias_of(port).is_some() || port.node.index() < before {
         return;
@@ -252,8 +257,8 @@ fn name_result(elab: &mut Elaborator<'_>, port: PortRef, path: &str, suffix: &st
     }
 }
 
-/// Returns the node whose outputs are exactly the wire, in order. For a wire without leaves, the last node if it
-/// has no outputs.
+/// Returns the net node whose outputs are exactly the signals of `wire`, in order; `None` if there is none. If `wire`
+/// is empty, the last node is returned if it has no outputs.
 fn whole_node(elab: &Elaborator<'_>, wire: &Wire) -> Option<rpi_net::NodeId> {
     let node = match wire.first() {
         None => elab.net.node_ids().next_back()?,
@@ -265,7 +270,8 @@ fn whole_node(elab: &Elaborator<'_>, wire: &Wire) -> Option<rpi_net::NodeId> {
     (nodes::out_wire(elab, node) == *wire).then_some(node)
 }
 
-/// Appends the name of a flow, with the path of the part if `count` leaves from `at` are not the whole flow.
+/// Appends the name of a flow to `text`, followed by the path of a part if `count` leaves (scalar parts) from `at` on
+/// are not the whole flow.
 fn push_flow_name(text: &mut String, flow: &Flow, at: usize, count: usize) {
     text.push_str(&flow.name);
     if at != 0 || count != flow.ty.leaf_count() {
@@ -273,7 +279,7 @@ fn push_flow_name(text: &mut String, flow: &Flow, at: usize, count: usize) {
     }
 }
 
-/// Appends the name of the first target that has one, or `_`.
+/// Appends the name of the first target of an equation that has a name; `_` if none has.
 fn push_target_name(text: &mut String, unit: &Unit, equation: &Equation) {
     let (start, targets) = (text.len(), equation.targets.iter());
     for target in targets {

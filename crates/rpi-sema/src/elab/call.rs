@@ -23,24 +23,26 @@ use rpi_diag::{Code, Diagnostic, Span};
 use rpi_image::{Scalar, Value};
 use rpi_net::{self as net, AbsentPolicy, Fragment, FragmentId, Origin, PortRef, Restart};
 
-/// A call that does not run in all cycles.
+/// Call that runs only in some cycles, under a condition.
 pub(super) struct ConditionalCall {
-    /// Condition under which the call runs.
+    /// Boolean signal: the condition under which the call runs.
     pub(super) condition: Signal,
-    /// Results of the call when it runs, and their defaults before its first run.
+    /// Signals of the results in cycles in which the call runs.
     pub(super) result: Wire,
+    /// Signals of the results before the first run of the call; `None` if no default is given.
     pub(super) default: Option<Wire>,
-    /// For each leaf of the results, whether it may be absent when the call runs.
+    /// For each leaf (scalar part) of the results, whether it may be absent in cycles in which the call runs.
     pub(super) is_optional: Vec<bool>,
 }
 
-/// Argument of a call: the signals of its leaves, and its location.
+/// Argument of a call: the signals of its leaves (scalar parts), and its location.
 pub(super) struct CallArgument {
     wire: Wire,
     span: Span,
 }
 
-/// Elaborates a call expression according to its activation.
+/// Elaborates a call expression according to its activation (always, with restarts, or under a condition) and returns
+/// the signals of its results.
 pub(super) fn elab_call<'u>(
     elab: &mut Elaborator<'u>,
     scope: &mut Scope<'u>,
@@ -80,7 +82,8 @@ pub(super) fn elab_call<'u>(
     }
 }
 
-/// Elaborates a call that runs under a condition and keeps its results between runs.
+/// Elaborates a call that runs under a condition and holds its results between runs. `path` is the name of the call in
+/// the net.
 fn elab_condact<'u>(
     elab: &mut Elaborator<'u>,
     scope: &mut Scope<'u>,
@@ -146,7 +149,8 @@ fn arguments<'u>(
     args
 }
 
-/// Inlines a call at `at` and returns its results. Binds the clock conditions inside it that the caller refers to.
+/// Inlines the called unit at the position `at` and returns the signals of its results. Connects the clock conditions
+/// inside of the call to which the clocks of the caller refer.
 fn results_of<'u>(
     elab: &mut Elaborator<'u>,
     scope: &mut Scope<'u>,
@@ -162,7 +166,8 @@ fn results_of<'u>(
     wire
 }
 
-/// Returns an argument of a call. Its leaves are absent where the clock of the call ticks and their own does not.
+/// Returns the signals of the argument `arg` of the call `id`, expanded to `count` leaves (scalar parts). The argument
+/// is absent in cycles in which the clock of the call ticks and its own clock does not.
 fn argument<'u>(
     elab: &mut Elaborator<'u>,
     scope: &mut Scope<'u>,
@@ -177,8 +182,8 @@ fn argument<'u>(
     }
 }
 
-/// Returns the path for the nodes of an expression: the name of the flow if the expression is the flow's whole
-/// value, else a numbered name.
+/// Returns the name for the net nodes of an expression: the name of the flow being defined if the expression is its
+/// whole value, else this name with a number.
 fn elab_path(elab: &mut Elaborator<'_>, id: ExprId) -> String {
     if elab.naming.top_expr == Some(id) {
         return elab.naming.name.clone();
@@ -187,7 +192,8 @@ fn elab_path(elab: &mut Elaborator<'_>, id: ExprId) -> String {
     format!("{}#{}", elab.naming.name, elab.naming.serial - 1)
 }
 
-/// Returns the activation by a condition; `Always` for the constant `true`.
+/// Returns the activation of a fragment by a condition; `Always` for the constant `true`. A fragment is inactive if its
+/// condition is absent.
 pub(super) fn elab_activation(
     elab: &mut Elaborator<'_>,
     condition: &Signal,
@@ -206,7 +212,7 @@ pub(super) fn elab_activation(
     }
 }
 
-/// Adds a fragment to the net, with its activation and restart condition.
+/// Adds a fragment to the net, with its name `path`, its activation and its restart condition, and returns it.
 pub(super) fn elab_fragment(
     elab: &mut Elaborator<'_>,
     path: &str,
@@ -231,7 +237,8 @@ pub(super) fn elab_fragment(
     })
 }
 
-/// Inlines a unit with its inputs connected and returns its outputs.
+/// Inlines a unit at the position `at` with its inputs connected to `args`, and returns the signals of its outputs.
+/// `path` is the name of the call in the net.
 pub(super) fn inline_unit(
     elab: &mut Elaborator<'_>,
     id: UnitId,
@@ -249,6 +256,7 @@ pub(super) fn inline_unit(
         return crate::elab::signal::empty_wire();
     }
     elab.inlining.call_stack.push(id);
+    elab.inlining.call_spans.push(span);
     let outer = (
         std::mem::take(&mut elab.naming.name),
         elab.naming.serial,
@@ -259,6 +267,7 @@ pub(super) fn inline_unit(
     (elab.naming.name, elab.naming.serial, elab.naming.top_expr) = outer;
     elab.inlining.guard = entered;
     elab.inlining.call_stack.pop();
+    elab.inlining.call_spans.pop();
     result
 }
 
@@ -317,7 +326,8 @@ fn inline_body<'u>(
     fragment_outputs::gate_wire(elab, &leaves, inner.fragment, at.fragment)
 }
 
-/// Returns the leaves of a unit's outputs. If `is_lifted`, they are made readable in all cycles of the unit.
+/// Returns the signals of a unit's outputs. If `is_lifted`, the outputs can be read in all cycles of the unit: they are
+/// absent in cycles in which their clocks do not tick.
 fn outputs_of<'u>(
     elab: &mut Elaborator<'u>,
     scope: &mut Scope<'u>,
@@ -363,7 +373,7 @@ fn fragment_of_unit<'u>(
     fragment
 }
 
-/// Connects a unit's inputs to the arguments of the caller, or to their defaults.
+/// Connects the inputs of a unit to the arguments of the caller, or to their defaults.
 pub(super) fn connect<'u>(
     elab: &mut Elaborator<'u>,
     scope: &mut Scope<'u>,
@@ -381,7 +391,8 @@ pub(super) fn connect<'u>(
     }
 }
 
-/// Reports calls that are nested too deeply: infinite recursion of one instance, or a long chain of calls.
+/// Reports calls that are nested too deeply, because of an infinite recursion or a long chain of calls. Returns a value
+/// without signals.
 fn report_too_deep(elab: &mut Elaborator<'_>, id: UnitId, span: Span) -> Wire {
     let unit = &elab.units[id.0 as usize];
     let message = match elab.inlining.call_stack.contains(&id) {
@@ -391,11 +402,15 @@ fn report_too_deep(elab: &mut Elaborator<'_>, id: UnitId, span: Span) -> Wire {
     let diagnostic = Diagnostic::new(Code::RPI1011, message)
         .primary(span, format!("`{}` is called here", unit.name))
         .secondary(unit.span, "declared here")
-        .help("end a recursion over static parameters with `with`");
+        .help(format!(
+            "`with` chooses at compile time where a recursion ends: `with n = ... then ... else {}<<...>>(...)`",
+            unit.name
+        ));
     report_failure(elab, diagnostic, span)
 }
 
-/// Reports an error that prevents the net or constant. Only the first one is kept.
+/// Reports an error because of which the net or constant has no value. Later errors are not reported. Returns a value
+/// without signals.
 pub(super) fn report_failure(
     elab: &mut Elaborator<'_>,
     diagnostic: Diagnostic,
@@ -410,7 +425,7 @@ pub(super) fn report_failure(
     elab.fail(NotConstantError::Reported)
 }
 
-/// Binds an alias to its signal, unless it is bound already.
+/// Connects a placeholder port to its signal, unless it is connected already. Other ports are ignored.
 pub(super) fn bind_alias(elab: &mut Elaborator<'_>, port: PortRef, signal: &Signal) {
     if let Some(alias) = crate::elab::signal::alias_of(port) {
         elab.aliases.signals[alias].get_or_insert_with(|| signal.clone());

@@ -21,17 +21,17 @@ use rpi_net::prim;
 use rpi_net::{self as net, ClaimRead};
 use rpi_prims::PrimId;
 
-/// Treatment of a program's claims: assertions and contracts.
+/// Treatment of a program's claims (assertions and clauses of contracts) at run time.
 #[derive(Clone, Copy, PartialEq, Eq, Default, Debug)]
 pub enum ClaimPolicy {
-    /// Claims are left out, together with all that only they need.
+    /// Claims are left out, together with everything that only claims need.
     Off,
-    /// Claims are exported with the flows that they read. The run continues after a failure.
+    /// Claims and the flows that they read are exported for the host. The run continues after a claim has failed.
     #[default]
     Report,
-    /// A failed claim is a fault, which ends the command.
+    /// A claim that fails is a fault, which ends the command. Claims are not exported.
     Fault,
-    /// Claims are exported and a failure is a fault, so the host sees the cause of the fault.
+    /// Claims are exported for the host, and a failed claim is a fault. The host sees the cause of the fault.
     ReportAndFault,
 }
 
@@ -45,7 +45,7 @@ impl ClaimPolicy {
     }
 }
 
-/// Elaborates a claim of a body or contract.
+/// Elaborates a claim: evaluates its condition in the net, and adds its export and its check according to the policy.
 pub(super) fn elab_claim<'u>(
     elab: &mut Elaborator<'u>,
     scope: &mut Scope<'u>,
@@ -86,7 +86,8 @@ pub(super) fn elab_claim<'u>(
     }
 }
 
-/// Elaborates a claim: an assertion of a body, or a clause of a contract.
+/// Exports the condition of a claim and the flows that it reads, so that the host can observe the claim. `condition` is
+/// the signal of the condition.
 fn export_claim<'u>(
     elab: &mut Elaborator<'u>,
     scope: &mut Scope<'u>,
@@ -124,7 +125,8 @@ fn export_claim<'u>(
     });
 }
 
-/// Returns an error for a claim that is false in every cycle, by itself or because of the arguments of this call.
+/// Returns the error for a claim that is false in every cycle. The claim is false by itself, or because of the
+/// arguments of the call in which it is inlined. `None` for a guarantee that is false because of the arguments only.
 fn always_false_error(
     elab: &Elaborator<'_>,
     scope: &Scope<'_>,
@@ -141,7 +143,8 @@ fn always_false_error(
     }
 }
 
-/// Exports the leaves of one part that a claim reads.
+/// Exports the leaves (scalar parts) of a flow, or of a part of one, that the claim with the key `claim` reads. Returns
+/// the names and keys of the exports.
 fn export_part<'u>(
     elab: &mut Elaborator<'u>,
     scope: &mut Scope<'u>,
@@ -180,9 +183,9 @@ fn export_part<'u>(
     reads
 }
 
-/// Returns the primitive that ends the command if the claim fails. Assertions and the assumptions of the program as a
-/// whole use `Rpi::Assume`: they hold by the author's word. The assumptions of a callee bind its caller and use
-/// `Rpi::Assert`, as all other claims do.
+/// Returns the primitive that ends the command if the claim fails. `Rpi::Assume` marks conditions that later analyses
+/// may rely on without proof: assertions, and the assumptions of the program as a whole. The assumptions of a callee,
+/// which its caller must ensure, and all other claims use `Rpi::Assert`.
 fn fault_primitive(scope: &Scope<'_>, claim: &Claim) -> PrimId {
     match claim.kind {
         ClaimKind::Assert => prim!("Rpi::Assume"),
@@ -191,18 +194,21 @@ fn fault_primitive(scope: &Scope<'_>, claim: &Claim) -> PrimId {
     }
 }
 
-/// Creates the error for an assumption that is false in every cycle of a call.
+/// Returns the error for an assumption of the callee `of` that is false in every cycle because of the call at `call`.
 fn violated_assumption(call: Span, claim: &Claim, of: &str) -> Diagnostic {
     Diagnostic::new(
         Code::RPI3102,
         format!("this call breaks an assumption of `{of}`"),
     )
-    .primary(call, "for all inputs")
-    .secondary(claim.span, "false in every cycle of the call")
-    .help("pass other values, or correct the assumption if it is too strong")
+    .primary(
+        call,
+        "the assumption is false for these arguments, in every cycle",
+    )
+    .secondary(claim.span, "the assumption")
+    .help("pass arguments for which the assumption holds, or correct it if it is too strong")
 }
 
-/// Creates the error for a claim that is false for all inputs.
+/// Returns the error for a claim that is false for all inputs.
 fn always_false(claim: &Claim) -> Diagnostic {
     let what = match claim.kind {
         ClaimKind::Assert => "this assertion can never hold",
@@ -216,7 +222,8 @@ fn always_false(claim: &Claim) -> Diagnostic {
         .help("correct the condition, or delete it")
 }
 
-/// Returns the name of the block around a claim. Empty in the body of a unit, and in a test, which owns all its claims.
+/// Returns the name of the block around a claim; empty in the body of a unit, and in a test, where all claims belong to
+/// the test.
 fn fragment_around(scope: &Scope<'_>, block: BlockId) -> String {
     if scope.unit.kind == UnitKind::Test {
         return String::new();
@@ -229,7 +236,7 @@ fn fragment_around(scope: &Scope<'_>, block: BlockId) -> String {
     block.name.to_string()
 }
 
-/// Returns whether an expression reads earlier cycles, directly or possibly through a call.
+/// Returns whether an expression depends on earlier cycles: it contains a `pre`, or a call, which may have state.
 fn reads_past(scope: &Scope<'_>, id: ExprId) -> bool {
     let kind = &scope.unit.expr(id).kind;
     let mut found = matches!(
@@ -240,10 +247,11 @@ fn reads_past(scope: &Scope<'_>, id: ExprId) -> bool {
     found
 }
 
-/// Part of a flow, of a device port or of a predeclared flow that a claim reads: a range of leaves.
+/// Part of a flow, of a sensor port or of a predeclared flow that a claim reads: `count` leaves (scalar parts) from
+/// leaf `first` on.
 #[derive(PartialEq)]
 struct ReadPart {
-    /// Name as written in the claim.
+    /// Name of the flow or port that is read, as written in the claim.
     name: String,
     flow: Option<FlowId>,
     /// Expression that reads the part.
@@ -258,7 +266,7 @@ impl ReadPart {
     }
 }
 
-/// Collects the parts that an expression reads, in text order without duplicates.
+/// Appends the flows and parts of flows that an expression reads to `parts`, in text order and without duplicates.
 fn tuple_elements(scope: &Scope<'_>, id: ExprId, parts: &mut Vec<ReadPart>) {
     match read_part(scope, id) {
         Some(part) if parts.iter().any(|known| known.is_same(&part)) => {}
@@ -270,7 +278,8 @@ fn tuple_elements(scope: &Scope<'_>, id: ExprId, parts: &mut Vec<ReadPart>) {
     }
 }
 
-/// Returns the leaves read by `flow`, `flow.part`, `device.port` or a predeclared flow; none for any other expression.
+/// Returns the leaves (scalar parts) that an expression of the form `flow`, `flow.part` or `device.port`, or a
+/// predeclared flow, reads; `None` for any other expression.
 fn read_part(scope: &Scope<'_>, id: ExprId) -> Option<ReadPart> {
     let unit = scope.unit;
     let expr = unit.expr(id);
@@ -309,7 +318,7 @@ fn read_part(scope: &Scope<'_>, id: ExprId) -> Option<ReadPart> {
     }
 }
 
-/// Returns the qualified name of a flow: with the name of its block if that is not the body.
+/// Returns the name of a flow, with the name of its block before it if the block is a fragment or state.
 fn flow_name(unit: &Unit, flow: FlowId) -> String {
     let flow = unit.flow(flow);
     match unit.block(flow.block) {

@@ -33,7 +33,8 @@ pub(super) fn condact_fragment<'u>(
     call::elab_fragment(elab, path, at.fragment, activation, restart, span)
 }
 
-/// Returns the results of a call that does not run in all cycles: those of this cycle, or those of its last run.
+/// Returns the signals of the results of a call that runs only in some cycles: the results of this cycle if it runs,
+/// else those of its last run.
 pub(super) fn hold_results<'u>(
     elab: &mut Elaborator<'u>,
     run: &ConditionalCall,

@@ -17,11 +17,12 @@ pub(crate) enum NotConstantError {
     Reported,
     /// The expression depends on a value that is known only at run time.
     RunTime(Span),
-    /// The evaluation faults, for example by a division by zero; with the location and the message.
+    /// The evaluation faults, for example by a division by zero: the location and the message.
     Fault(Span, String),
 }
 
-/// Evaluates a constant expression of a unit and returns its leaves.
+/// Evaluates a constant expression of a unit and returns the values of its leaves (scalar parts), or the reason why it
+/// has no value.
 pub(crate) fn evaluate_constant(
     units: &[Unit],
     unit: &Unit,
@@ -30,7 +31,8 @@ pub(crate) fn evaluate_constant(
     constant_with(units, unit, id, &[])
 }
 
-/// Evaluates an expression that depends only on the unit's parameters. `args` are the values of the first parameters.
+/// Evaluates an expression that depends only on the unit's parameters, of which the first have the values `args`. The
+/// result is unknown if the expression has no value.
 #[must_use]
 pub fn evaluate_argument(units: &[Unit], unit: &Unit, id: ExprId, args: &[Argument]) -> Argument {
     match constant_with(units, unit, id, args) {

@@ -9,8 +9,8 @@ use rpi_diag::Span;
 use rpi_image::Scalar;
 use rpi_net::{Decision, DecisionBranch, FragmentId, Net, StateTransitions, Transition};
 
-/// Makes the names of fragments and nodes unique within their parent. A test finds them in the image by name, and
-/// repeated calls or several automata in one body produce equal names.
+/// Makes the names of the fragments and nodes in each fragment of a net unique. Repeated calls or several automata in
+/// one body have equal names, and tests find fragments and nodes in the image by name.
 pub(super) fn make_names_unique(net: &mut Net) {
     let mut known = UsedNames::default();
     for fragment in net.fragments.iter_mut().skip(1) {
@@ -23,7 +23,8 @@ pub(super) fn make_names_unique(net: &mut Net) {
     }
 }
 
-/// Names in use within each fragment, each with the last number appended to it.
+/// Names in use within each fragment of a net, each with the last number that has been appended to it to make it
+/// unique.
 type UsedNames = FastMap<(FragmentId, String), usize>;
 
 fn make_unique(name: &mut String, inside: FragmentId, known: &mut UsedNames) {
@@ -37,14 +38,15 @@ fn make_unique(name: &mut String, inside: FragmentId, known: &mut UsedNames) {
     known.entry((inside, name.clone())).or_insert(0);
 }
 
-/// Adds a called unit to the coverage points of the net, if coverage is recorded.
+/// Adds a called unit to the coverage points of the net (places whose execution is counted), if coverage is recorded.
 pub(super) fn record_call(elab: &mut Elaborator<'_>, unit: &Unit) {
     if elab.records_coverage {
         elab.net.coverage_points.called_units.push(unit.span);
     }
 }
 
-/// Records a choice and returns its branches, the one for `true` first.
+/// Adds an `if` with this condition to the coverage points of the net, if coverage is recorded. Returns its branches,
+/// the one for a true condition first; without coverage, the branch around the `if`.
 pub(super) fn record_choice(
     elab: &mut Elaborator<'_>,
     condition: &Signal,
@@ -71,7 +73,8 @@ pub(super) fn record_choice(
     })
 }
 
-/// Records the transitions out of a state. `exits` has the last transition first.
+/// Adds the transitions out of a state to the coverage points of the net, if coverage is recorded. `here` is whether
+/// the automaton is in the state, and `exits` are the conditions and locations of the transitions, the last one first.
 pub(super) fn record_transitions(
     elab: &mut Elaborator<'_>,
     here: &Signal,

@@ -11,7 +11,8 @@ use rpi_diag::Span;
 use rpi_image::{Scalar, Type};
 use rpi_net::{Input, PortRef};
 
-/// Array whose leaves are unresolved aliases, so that it is packed at the end of the elaboration.
+/// Array with leaves (scalar parts) that are placeholders for signals not known yet. It is packed at the end of the
+/// elaboration.
 pub(super) struct DeferredArray {
     alias: PortRef,
     wire: Wire,
@@ -20,7 +21,8 @@ pub(super) struct DeferredArray {
     span: Span,
 }
 
-/// Defers the packing of an array until its leaves are known. Returns the alias that stands for the whole array.
+/// Records an array whose leaves (scalar parts) are not all known, to be packed at the end of the elaboration. Returns
+/// a placeholder port for the whole array.
 pub(super) fn defer_array(
     elab: &mut Elaborator<'_>,
     wire: Wire,
@@ -40,7 +42,7 @@ pub(super) fn defer_array(
     alias
 }
 
-/// Returns the type of a deferred array.
+/// Returns the type of the array for which a placeholder port stands; `None` if it stands for another value.
 pub(super) fn deferred_type(elab: &Elaborator<'_>, alias: PortRef) -> Option<Type> {
     let at = elab
         .aliases
@@ -49,7 +51,8 @@ pub(super) fn deferred_type(elab: &Elaborator<'_>, alias: PortRef) -> Option<Typ
     at.ok().map(|at| elab.aliases.deferred_arrays[at].ty)
 }
 
-/// Packs all deferred arrays. The aliases of their leaves must be resolved.
+/// Packs all arrays that have been deferred, and connects their placeholder ports. The placeholders of their leaves
+/// (scalar parts) must be connected.
 pub(super) fn pack_deferred_arrays(elab: &mut Elaborator<'_>) {
     for promise in std::mem::take(&mut elab.aliases.deferred_arrays) {
         let leaf = |signal: &Signal| resolved_leaf(elab, signal);

@@ -18,8 +18,8 @@ use rpi_image::{Scalar, Type, Value};
 use rpi_net::{Alternatives, FragmentId, Inputs, PortRef};
 use rpi_prims::PrimId;
 
-/// Elaborates a read of a sensor or status port. Each port is read once, at the start of the cycle, independently
-/// of activations.
+/// Elaborates a read of the sensor or status port with index `port` and returns its signals. Each port is read once, at
+/// the start of the cycle, independently of activations.
 pub(super) fn sensor<'u>(
     elab: &mut Elaborator<'u>,
     scope: &mut Scope<'u>,
@@ -64,7 +64,8 @@ pub(super) fn sensor<'u>(
     }
 }
 
-/// Adds the subrange checks of a port that is read for the first time.
+/// Checks that the value of a sensor port that is read for the first time is in the subrange of its type. `of` is the
+/// device and the port. Returns the checked signals.
 fn check_sensor_subranges(
     elab: &mut Elaborator<'_>,
     leaves: Vec<Signal>,
@@ -83,8 +84,8 @@ fn check_sensor_subranges(
     wire
 }
 
-/// Returns the port and the index by which a device knows each leaf of a sensor: a part of a struct is a port of its own,
-/// `state.pose`, and the elements of an array are numbered.
+/// Returns the port name and index by which a device knows each leaf (scalar part) of a sensor value. A field of a
+/// struct has a port name of its own, as in `state.pose`, and the elements of an array are numbered.
 fn leaf_places(ty: &Ty, port: &str) -> Vec<(String, u32)> {
     let mut places: Vec<(String, u32)> = Vec::new();
     ty.for_each_leaf(&mut |path, _| {
@@ -98,7 +99,7 @@ fn leaf_places(ty: &Ty, port: &str) -> Vec<(String, u32)> {
     places
 }
 
-/// Returns a path without its indices: `.x` for `.x[2]`.
+/// Returns the path of a part without its indices: `.x` for `.x[2]`.
 fn without_indices(path: &str) -> String {
     let mut depth = 0;
     let outside = |c: &char| {
@@ -143,7 +144,8 @@ fn device_name(elab: &Elaborator<'_>, signal: &Signal) -> Option<String> {
         .map(str::to_owned)
 }
 
-/// Elaborates a write of a set-point to an actuator port, leaf by leaf.
+/// Adds the writes of a set-point to the actuator port with index `port`, one net node for each leaf (scalar part).
+/// `wire` has the signals of the set-point.
 pub(super) fn write<'u>(
     elab: &mut Elaborator<'u>,
     scope: &mut Scope<'u>,
@@ -173,7 +175,7 @@ pub(super) fn write<'u>(
     }
 }
 
-/// Records the ports of a device that exclude each other with a written port.
+/// Records in the net that the ports of an actuator of which the port `port` is one exclude one another.
 fn record_alternatives(
     elab: &mut Elaborator<'_>,
     device: &str,
@@ -195,7 +197,7 @@ fn record_alternatives(
     }
 }
 
-/// Formats the name of a port's leaf, `arm.joints[2]`.
+/// Returns the name of a port's leaf (scalar part), such as `arm.joints[2]`; without an index for leaf 0.
 fn port_name(device: &str, port: &str, index: u32) -> String {
     match index {
         0 => format!("{device}.{port}"),

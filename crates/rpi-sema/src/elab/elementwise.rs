@@ -79,7 +79,7 @@ pub(super) fn elementwise<'u>(
     }
 }
 
-/// Elaborates `if c then x else y`. Operations in a branch that can fault are guarded by the condition.
+/// Elaborates `if c then x else y`. Operations in a branch that can fault run only while the branch is taken.
 fn conditional<'u>(
     elab: &mut Elaborator<'u>,
     scope: &mut Scope<'u>,
@@ -135,7 +135,7 @@ fn conditional<'u>(
     leaves.into()
 }
 
-/// Elaborates `if c then x else y` on a value whose leaves have different clocks; each leaf keeps its clock.
+/// Elaborates `if c then x else y` on a value whose leaves (scalar parts) have different clocks.
 fn conditional_per_leaf<'u>(
     elab: &mut Elaborator<'u>,
     scope: &mut Scope<'u>,
@@ -180,9 +180,9 @@ fn conditional_per_leaf<'u>(
     leaves.into()
 }
 
-/// Returns whether a constant condition drops a branch. Dependencies follow the source, with one version for each
-/// choice of static arguments. Under a condition without static parameters both branches count (M5.4), and state in
-/// them keeps running, which may fault (M6.6).
+/// Returns whether the branch of an `if` that its constant condition never takes is left out. Dependencies follow the
+/// source, with one version per choice of static arguments. Under a condition without static parameters, both branches
+/// count (M5.4), and state in them runs on, which may fault (M6.6).
 fn drops_branch<'u>(
     elab: &mut Elaborator<'u>,
     scope: &Scope<'u>,
@@ -201,8 +201,8 @@ fn drops_branch<'u>(
             && expr::drops_dead_code(elab, reads_flows(unit, left_out))
 }
 
-/// Returns the guards of the two branches of an `if`: the condition, or its negation, for a branch that can fault, else
-/// the guard of `at`.
+/// Returns the guards of the branches of an `if`: the condition or its negation for a branch that can fault, else the
+/// guard of `at`. A guarded operation runs only while its guard is true.
 fn elab_guards<'u>(
     elab: &mut Elaborator<'u>,
     scope: &Scope<'u>,
@@ -231,7 +231,7 @@ fn elab_guards<'u>(
     guards
 }
 
-/// Returns the position `at` with the additional guard `condition`.
+/// Returns the position `at` with the additional guard `condition`, under which operations that can fault run.
 pub(super) fn with_guard(
     elab: &mut Elaborator<'_>,
     condition: Signal,
@@ -254,7 +254,7 @@ pub(super) fn with_guard(
     }
 }
 
-/// Elaborates `pre x`. The optional delay is used for leaves of x that can be absent.
+/// Elaborates `pre x`. Leaves (scalar parts) that can be absent use the optional form of the delay.
 fn elab_pre<'u>(
     elab: &mut Elaborator<'u>,
     scope: &mut Scope<'u>,
@@ -266,7 +266,7 @@ fn elab_pre<'u>(
     delay_leaves(elab, scope, x, id, at, |leaf| absence.leaf(leaf))
 }
 
-/// Returns the fragment in which the flow read by `x` is defined, if it encloses the reader.
+/// Returns the fragment in which the flow read by `x` is defined; `None` if it does not enclose `reader`.
 fn defining_fragment<'u>(
     elab: &Elaborator<'u>,
     scope: &Scope<'u>,
@@ -315,7 +315,7 @@ fn delay_leaves<'u>(
     leaves.into()
 }
 
-/// Adds one delay node.
+/// Adds a delay of one cycle, a primitive of the given family for the type, and returns its output.
 pub(super) fn delay(
     elab: &mut Elaborator<'_>,
     family: PrimitiveFamily,
@@ -343,8 +343,8 @@ pub(super) fn delay(
     Signal::Port(PortRef { node, port: 0 })
 }
 
-/// Elaborates `a -> b`. Operations that can fault are guarded by the first cycle or its negation. `none -> pre x`
-/// becomes a delay that starts absent.
+/// Elaborates `a -> b`. Operations that can fault run only in the first cycle (in `a`) or in later ones (in `b`).
+/// `none -> pre x` becomes a delay that starts absent.
 fn arrow<'u>(
     elab: &mut Elaborator<'u>,
     scope: &mut Scope<'u>,
@@ -396,7 +396,7 @@ fn arrow<'u>(
     leaves.into()
 }
 
-/// Returns which leaves of an expression can be absent.
+/// Returns which leaves (scalar parts) of an expression can be absent.
 pub(super) fn elab_absence<'u>(
     elab: &Elaborator<'u>,
     scope: &Scope<'u>,
@@ -406,7 +406,7 @@ pub(super) fn elab_absence<'u>(
     facts.map_or(crate::facts::Absence::NEVER, |facts| facts.absence(id))
 }
 
-/// Returns the constant value of a signal, following one alias.
+/// Returns the constant value of a signal, or of the signal that a placeholder stands for; `None` if it is no constant.
 pub(super) fn constant_value(elab: &Elaborator<'_>, signal: &Signal) -> Option<Value> {
     match signal {
         Signal::Const(value) => Some(value.clone()),
@@ -421,7 +421,7 @@ pub(super) fn constant_value(elab: &Elaborator<'_>, signal: &Signal) -> Option<V
     }
 }
 
-/// Returns the signals of an expression expanded to `count` leaves. A bare `none` has a single leaf and is repeated.
+/// Returns the signals of an expression for `count` leaves (scalar parts). A bare `none` is repeated.
 pub(super) fn expr_leaves<'u>(
     elab: &mut Elaborator<'u>,
     scope: &mut Scope<'u>,
@@ -436,7 +436,7 @@ pub(super) fn expr_leaves<'u>(
     }
 }
 
-/// Returns whether an expression reads flows in the current cycle, that is outside a delay.
+/// Returns whether an expression reads flows in the current cycle, outside of delays such as `pre`.
 pub(super) fn reads_flows(unit: &Unit, id: ExprId) -> bool {
     let mut parts = unit.traverse(id);
     while let Some((id, expr)) = parts.next() {

@@ -21,62 +21,66 @@ use rpi_image::{Scalar, Value};
 use rpi_net::{ExportPort, Input, Net, Origin, ResultKind, ResultPort, Termination};
 use rpi_syntax::ast::CommandEndKind;
 
-/// Index of the output of an input primitive that holds the time of the last write, absent before the first.
+/// Index of the output of an input primitive with the time at which the input was last written. The output is absent
+/// before the first write.
 pub(super) const UPDATED_PORT: u8 = 1;
 
-/// Value of a parameter when a command is loaded.
+/// Value of a parameter of a command when the command is loaded.
 #[derive(Clone, PartialEq, Debug)]
 pub enum Argument {
-    /// Leaves of the value; for a device, its name.
+    /// Values of the leaves (scalar parts) of the parameter; for a device, its name.
     Value(Vec<Leaf>),
-    /// Leaves of the value; a device is passed by its name.
+    /// The parameter has its default value.
     Default,
-    /// Unknown value: the net is only checked, not run.
+    /// The value is not known. The net is then only checked, not run.
     Unknown,
 }
 
-/// Scalar part of a port with which the net of a unit communicates: key, type and presence.
+/// Leaf (scalar part) of an input or output of the net of a unit: its key, type and presence.
 #[derive(Clone, PartialEq, Debug)]
 pub struct PortShape {
-    /// Key of the leaf, `x.f[2]`.
+    /// Key by which the host sets or reads the leaf, such as `x.f[2]`.
     pub key: String,
-    /// Type of the leaf.
+    /// Type of the scalar part.
     pub ty: Ty,
-    /// Whether the leaf may be absent.
+    /// Whether the leaf may be absent in a cycle.
     pub optional: bool,
 }
 
-/// Local flow that can be observed although it is neither input nor output; one leaf.
+/// Leaf (scalar part) of a local flow that the host can observe although the flow is neither an input nor an output.
 #[derive(Clone, PartialEq, Debug)]
 pub struct ObservableFlow {
-    /// Name and type of the flow.
+    /// Key, type and presence of the leaf.
     pub shape: PortShape,
-    /// Port that holds the value.
+    /// Export of the net with the value of the leaf.
     pub port: ExportPort,
 }
 
-/// Net of a unit that is run on its own, with its inputs and outputs.
+/// Net of a unit that runs on its own, with its inputs and outputs.
 #[derive(Clone, Debug)]
 pub struct ElaboratedUnit {
-    /// Net of the unit.
+    /// Elaborated net of the unit.
     pub net: Net,
-    /// Inputs, leaf by leaf.
+    /// Inputs that the host sets, one entry for each leaf (scalar part).
     pub inputs: Vec<PortShape>,
-    /// Outputs, leaf by leaf.
+    /// Outputs, one entry for each leaf (scalar part).
     pub outputs: Vec<PortShape>,
-    /// Whether the unit contains claims, even if they were left out.
+    /// Whether the unit or a unit that it calls contains claims (assertions or clauses of contracts), even if they were
+    /// left out.
     pub has_claims: bool,
-    /// Local flows of the unit, leaf by leaf, if requested.
+    /// Local flows that can be observed, one entry for each leaf (scalar part); empty if they were not requested.
     pub locals: Vec<ObservableFlow>,
     /// Diagnostics of the elaboration.
     pub diagnostics: Vec<Diagnostic>,
-    /// Operands with state that are not always needed, inner ones first.
+    /// Operands that are not needed in every cycle and contain state, which runs in all cycles; inner operands first.
     pub stateful_operands: Vec<LazyOperand>,
-    /// Whether a branch was left out because a constant rules it out. A dependency cycle may lead through that branch.
+    /// Whether a branch that a constant condition never takes was left out of the net. A dependency cycle may lead
+    /// through that branch.
     pub dropped_code: bool,
 }
 
-/// Elaborates the net of a unit. `args` are the values of its parameters in order; missing ones are unknown.
+/// Elaborates the net of a unit. `args` are the values of its parameters in order; further parameters are unknown.
+/// `claims` is the treatment of assertions and contracts.
 #[must_use]
 pub fn elaborate(
     units: &[Unit],
@@ -88,7 +92,8 @@ pub fn elaborate(
     Elaboration::new(units, facts, id, args, claims).run(ElabMode::Net)
 }
 
-/// Elaborates a unit with a node for every equation, so that a dependency cycle in the net names each step.
+/// Elaborates a unit with a net node for every equation, so that a dependency cycle in the net names every equation on
+/// it.
 #[must_use]
 pub fn elaborate_dependency_steps(
     units: &[Unit],
@@ -100,8 +105,8 @@ pub fn elaborate_dependency_steps(
     job.run(ElabMode::DependencySteps).net
 }
 
-/// Returns whether the whole source, including branches ruled out by constants, has a dependency cycle within one
-/// cycle.
+/// Returns whether the source of a unit has a dependency cycle within one cycle if branches that constant conditions
+/// never take are included.
 #[must_use]
 pub fn has_hidden_dependency_cycle(
     units: &[Unit],
@@ -113,8 +118,8 @@ pub fn has_hidden_dependency_cycle(
     rpi_net::passes::has_dependency_cycle(&job.run(ElabMode::Dependencies).net)
 }
 
-/// Elaborates the net of a node that runs on its own, outside any command. `locals` requests that local flows can be
-/// observed.
+/// Elaborates the net of a node that runs on its own, outside of any command. `locals` is whether its local flows can
+/// be observed.
 #[must_use]
 pub fn elaborate_node(
     units: &[Unit],
@@ -127,14 +132,15 @@ pub fn elaborate_node(
     Elaboration { locals, ..job }.run(ElabMode::Net)
 }
 
-/// Parameters of one elaboration: the units, the arguments and what the net is for.
+/// Parameters of one elaboration: the units with the results of their analyses, the unit to be elaborated, and its
+/// arguments.
 struct Elaboration<'u, 'a> {
     units: &'u [Unit],
     facts: &'u [Facts],
     id: UnitId,
     args: &'a [Argument],
     claims: ClaimPolicy,
-    /// Whether local flows can be observed.
+    /// Whether the local flows of the unit can be observed by the host.
     locals: bool,
 }
 
@@ -156,7 +162,8 @@ impl<'u, 'a> Elaboration<'u, 'a> {
         }
     }
 
-    /// Runs the elaboration in the given mode and returns the net.
+    /// Runs the elaboration and returns the net with its inputs, outputs and diagnostics. `mode` is the purpose of the
+    /// net.
     fn run(&self, mode: ElabMode) -> ElaboratedUnit {
         let mut elab = Elaborator::new(self.units, self.facts, mode);
         elab.claim_policy = self.claims;
@@ -205,8 +212,8 @@ impl<'u, 'a> Elaboration<'u, 'a> {
     }
 }
 
-/// Reserves memory for the nodes of a large unit. Most expressions need at most one node, and a state needs a few
-/// more.
+/// Reserves memory for the nodes of a large unit. Most expressions need at most one node, and a state of an automaton
+/// needs a few more.
 fn reserve_nodes(elab: &mut Elaborator<'_>, unit: &Unit) {
     const LARGE: usize = 10_000;
     const OF_A_STATE: usize = 4;
@@ -220,7 +227,8 @@ fn reserve_nodes(elab: &mut Elaborator<'_>, unit: &Unit) {
     }
 }
 
-/// Connects the parameters. Unknown ones become aliases of neutral values, which are returned and bound at the end.
+/// Connects the parameters of a unit to the values of its arguments. A parameter with an unknown value gets placeholder
+/// ports, which are returned with the neutral values that they must get at the end.
 fn elab_parameters<'u>(
     elab: &mut Elaborator<'u>,
     scope: &mut Scope<'u>,
@@ -269,7 +277,7 @@ fn elab_parameters<'u>(
     unknown
 }
 
-/// Creates the warning for a test without an assertion, which cannot fail except by a fault.
+/// Returns the warning for a test without an assertion. Such a test can only fail by a fault.
 fn no_assertion(unit: &Unit) -> Diagnostic {
     Diagnostic::new(
         Code::RPI9004,
@@ -318,7 +326,7 @@ fn driver<'u>(elab: &mut Elaborator<'u>, scope: &mut Scope<'u>) {
     elab.net.termination = Termination::Results(results);
 }
 
-/// Returns the parameters of a unit, in the order in which [`elaborate`] takes arguments.
+/// Returns the parameters of a unit in the order in which [`elaborate`] takes their values.
 #[must_use]
 pub fn parameters(unit: &Unit) -> Vec<FlowId> {
     let is_param = |id: &FlowId| unit.flow(*id).role == FlowRole::Param;

@@ -26,10 +26,10 @@ use rpi_image::{Scalar, Value};
 use rpi_net::prim;
 use smallvec::SmallVec;
 
-/// Greatest depth of nested calls that is elaborated recursively from the outside in.
+/// Maximum depth of nested first operands that are elaborated by recursion from the outside in.
 const MAX_RECURSIVE_CALLS: usize = 30;
 
-/// Returns the first argument of a call, or the base of a part.
+/// Returns the first argument of a call, or the value of which an expression is a part; `None` for other expressions.
 fn first_operand(scope: &Scope<'_>, id: ExprId) -> Option<ExprId> {
     match &scope.unit.expr(id).kind {
         TypedKind::Call(call) if matches!(call.activation, Activation::Always) => {
@@ -41,7 +41,7 @@ fn first_operand(scope: &Scope<'_>, id: ExprId) -> Option<ExprId> {
     }
 }
 
-/// Returns the signals of an expression, elaborating it on first use.
+/// Returns the signals of an expression, one for each leaf (scalar part). The expression is elaborated on first use.
 pub(super) fn elab_expr<'u>(
     elab: &mut Elaborator<'u>,
     scope: &mut Scope<'u>,
@@ -63,8 +63,8 @@ pub(super) fn elab_expr<'u>(
     wire
 }
 
-/// Elaborates deeply nested first operands from the inside out. An array iterator is a nest of one call per
-/// element, and each level of recursion costs stack.
+/// Elaborates deeply nested first operands from the inside out, because each level of recursion needs stack. An array
+/// iterator such as `red` is a nest of one call per element.
 fn innermost_first<'u>(elab: &mut Elaborator<'u>, scope: &mut Scope<'u>, id: ExprId, at: Position) {
     let mut chain = Vec::new();
     let mut next = first_operand(scope, id);
@@ -79,7 +79,8 @@ fn innermost_first<'u>(elab: &mut Elaborator<'u>, scope: &mut Scope<'u>, id: Exp
     }
 }
 
-/// Reports an internal error: an invalid expression without a diagnostic.
+/// Reports an internal error: an invalid expression for which no diagnostic was reported. Returns a value without
+/// signals.
 fn unreported_error(elab: &mut Elaborator<'_>, span: Span) -> Wire {
     if elab.mode == ElabMode::Constant {
         return elab.fail(NotConstantError::Reported);
@@ -149,7 +150,8 @@ fn elaborate_expr<'u>(
     }
 }
 
-/// Replaces leaves of `base`, from `offset` on, by those of `value`.
+/// Returns the signals of `base` with its leaves (scalar parts) from `offset` on replaced by those of `value`. `id` is
+/// the whole expression.
 fn replace<'u>(
     elab: &mut Elaborator<'u>,
     scope: &mut Scope<'u>,
@@ -165,7 +167,8 @@ fn replace<'u>(
     subrange::check_replaced(elab, scope, wire.into(), [id, value], offset, at)
 }
 
-/// Elaborates a struct, array or tuple from its parts.
+/// Returns the signals of a struct, array or tuple that is built from its parts, checked against the subranges of
+/// struct fields.
 fn build<'u>(
     elab: &mut Elaborator<'u>,
     scope: &mut Scope<'u>,
@@ -183,7 +186,8 @@ fn build<'u>(
     signals.into()
 }
 
-/// Returns the condition of a block as one signal, defined in all cycles of the block.
+/// Returns the signal of a Boolean expression, such as the condition of a block, with a value in all cycles of the
+/// block.
 pub(super) fn elab_condition<'u>(
     elab: &mut Elaborator<'u>,
     scope: &mut Scope<'u>,
@@ -194,7 +198,7 @@ pub(super) fn elab_condition<'u>(
     wire.first().cloned().unwrap_or(Signal::Absent)
 }
 
-/// Returns the signal of an operand that is a scalar. `pair` is the operator and the operand.
+/// Returns the signal of an operand with one leaf (scalar part). `pair` is the operator and the operand.
 pub(super) fn elab_operand<'u>(
     elab: &mut Elaborator<'u>,
     scope: &mut Scope<'u>,
@@ -235,7 +239,8 @@ fn slice<'u>(
     leaves.into()
 }
 
-/// Elaborates an element at a computed index: a chain of conditionals with a bounds check.
+/// Elaborates an array element at an index that is computed at run time, as a chain of conditionals with a check of the
+/// index.
 fn select<'u>(
     elab: &mut Elaborator<'u>,
     scope: &mut Scope<'u>,
@@ -306,13 +311,15 @@ fn check_index(elab: &mut Elaborator<'_>, index: &Signal, count: usize, at: Posi
     presence::assert_index(elab, &inside, [index.clone(), length], at, span);
 }
 
-/// Returns whether code ruled out by a constant is left out. `reads`: whether that code reads flows.
+/// Returns whether code that a constant makes unreachable is left out of the net. `reads` is whether that code reads
+/// flows; this is recorded, because a dependency cycle may lead through that code.
 pub(super) fn drops_dead_code(elab: &mut Elaborator<'_>, reads: bool) -> bool {
     elab.leaves_out_code |= reads;
     !reads || matches!(elab.mode, ElabMode::Net | ElabMode::Constant)
 }
 
-/// Returns the signals of `count` leaves of a value, from leaf `at` on.
+/// Returns the signals of `count` leaves (scalar parts) of a value from leaf `at` on; none if the value has too few
+/// leaves.
 pub(super) fn sub_wire(wire: &Wire, at: usize, count: usize) -> Wire {
     match wire.get(at..at.saturating_add(count)) {
         Some(leaves) if leaves.len() == wire.len() => wire.clone(),
@@ -324,7 +331,7 @@ pub(super) fn sub_wire(wire: &Wire, at: usize, count: usize) -> Wire {
 /// Machine types of the leaves (scalar parts) of a type.
 pub(super) type Scalars = SmallVec<[Scalar; 4]>;
 
-/// Returns the machine types of a type's leaves.
+/// Returns the machine type of each leaf (scalar part) of a type, in order.
 pub(super) fn leaf_scalars(ty: &crate::ty::Ty) -> Scalars {
     let mut scalars = Scalars::new();
     ty.for_each_leaf(&mut |_, leaf| scalars.push(leaf.scalar().unwrap_or(Scalar::Bool)));

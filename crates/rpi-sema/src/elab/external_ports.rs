@@ -23,8 +23,8 @@ use crate::typed::{BlockId, ExprId, FlowId, FlowPresence, FlowRole};
 use rpi_image::{Scalar, Value};
 use rpi_net::{CommandInput, ExportPort, Origin};
 
-/// Elaborates the inputs of a node on its own and the values that a command takes over. They are set from outside
-/// by key.
+/// Adds the inputs of a node that runs on its own, or the values that a command takes over, to the net. The host or the
+/// core sets them by their keys. Returns one entry for each leaf (scalar part).
 pub(super) fn unit_inputs<'u>(elab: &mut Elaborator<'u>, scope: &mut Scope<'u>) -> Vec<PortShape> {
     let unit = scope.unit;
     let mut shapes = Vec::new();
@@ -86,7 +86,8 @@ pub(super) fn unit_inputs<'u>(elab: &mut Elaborator<'u>, scope: &mut Scope<'u>) 
     shapes
 }
 
-/// Returns the signal of an optional input: its default, or absent, until it is set.
+/// Returns the signal of an optional input: until the input is set, its default or an absent value. `given` is the
+/// input itself.
 fn or_default(
     elab: &mut Elaborator<'_>,
     given: &Signal,
@@ -121,7 +122,7 @@ fn or_default(
     )
 }
 
-/// Elaborates a value that the program leaves open as an external input.
+/// Adds inputs to the net for a value that the program leaves open, such as `any` of Kind 2, and returns their signals.
 pub(super) fn open_value<'u>(
     elab: &mut Elaborator<'u>,
     scope: &Scope<'u>,
@@ -161,7 +162,8 @@ pub(super) fn external_input(
     external_input_at(elab, (key, None), scalar, Position::ROOT, span)
 }
 
-/// Adds an external input with a key and an optional initial value.
+/// Adds an input to the net that is set from outside by its key, with an optional initial value, and returns its
+/// signal.
 fn external_input_at(
     elab: &mut Elaborator<'_>,
     (key, default): (&str, Option<Value>),
@@ -187,7 +189,7 @@ fn external_input_at(
     wire.first().cloned().unwrap_or(Signal::Absent)
 }
 
-/// Exports the outputs of a node on its own.
+/// Exports the outputs of a node that runs on its own. Returns one entry for each leaf (scalar part).
 pub(super) fn unit_outputs<'u>(elab: &mut Elaborator<'u>, scope: &mut Scope<'u>) -> Vec<PortShape> {
     let unit = scope.unit;
     let mut shapes = Vec::new();
@@ -221,8 +223,8 @@ pub(super) fn elab_export(
     elab.net.exports.extend(port);
 }
 
-/// Returns the port that exports a flow. A constant is exported in the cycles in which the fragment of `at` is
-/// active.
+/// Returns the export of a signal under a key; `None` if its type cannot be exported. A constant is exported in the
+/// cycles in which the fragment of `at` is active.
 pub(super) fn export_port(
     elab: &mut Elaborator<'_>,
     key: &str,
@@ -243,7 +245,8 @@ pub(super) fn export_port(
     })
 }
 
-/// Exports the local flows, qualified by the names of their blocks.
+/// Exports the local flows of a unit under their names, with the names of their blocks before them. Returns one entry
+/// for each leaf (scalar part).
 pub(super) fn elab_locals<'u>(elab: &mut Elaborator<'u>, scope: &mut Scope<'u>) -> Vec<PortShape> {
     let unit = scope.unit;
     let mut shapes = Vec::new();

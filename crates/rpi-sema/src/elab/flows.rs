@@ -14,7 +14,7 @@ use crate::typed::{Equation, FlowId, FlowRole, Target, TargetPlace};
 use rpi_diag::Span;
 use rpi_net::PortRef;
 
-/// Returns the signals of a flow; aliases if its equation has not been elaborated yet.
+/// Returns the signals of a flow. They are placeholder ports if the equation of the flow has not been elaborated yet.
 pub(super) fn elab_flow<'u>(
     elab: &mut Elaborator<'u>,
     scope: &mut Scope<'u>,
@@ -47,7 +47,8 @@ pub(super) fn alias_wire(elab: &mut Elaborator<'_>, ty: &Ty, span: Span) -> Wire
         .collect()
 }
 
-/// Evaluates a flow of a function on demand.
+/// Returns the signals of a flow whose value is needed for a constant, by evaluating its equation. A flow without an
+/// equation has no constant value.
 fn constant_flow<'u>(
     elab: &mut Elaborator<'u>,
     scope: &mut Scope<'u>,
@@ -73,7 +74,7 @@ fn constant_flow<'u>(
     }
 }
 
-/// Defines the targets of an equation by the leaves of its value.
+/// Defines the flows on the left side of an equation by the signals of its value.
 pub(super) fn define_all<'u>(
     elab: &mut Elaborator<'u>,
     scope: &mut Scope<'u>,
@@ -95,7 +96,8 @@ pub(super) fn define_all<'u>(
     }
 }
 
-/// Defines the leaves of a flow, from leaf `at` on, by these signals.
+/// Defines a part of a flow, from the leaf (scalar part) `at` on, by the given signals. Placeholder ports by which the
+/// flow was read before are connected.
 pub(super) fn define<'u>(
     elab: &mut Elaborator<'u>,
     scope: &mut Scope<'u>,

@@ -14,7 +14,7 @@ use crate::typed::BlockId;
 use rpi_diag::Span;
 use rpi_net::FragmentId;
 
-/// Passes the inputs of a called fragment through entry aliases.
+/// Puts a placeholder port before each input of a called fragment that may depend on an output of the fragment.
 pub(super) fn add_input_entries<'u>(
     elab: &mut Elaborator<'u>,
     scope: &mut Scope<'u>,
@@ -28,7 +28,8 @@ pub(super) fn add_input_entries<'u>(
     }
 }
 
-/// Returns a flow of an enclosing block for a reader in a block that has its own fragment in the same unit.
+/// Returns the signals of a flow of an enclosing block for an expression in the fragment `reader` of the same unit.
+/// `block` is the block of the flow, and `wire` has its signals.
 pub(super) fn read_inside<'u>(
     elab: &mut Elaborator<'u>,
     scope: &Scope<'u>,
@@ -64,8 +65,8 @@ fn entry_wire(elab: &mut Elaborator<'_>, wire: &Wire, fragment: FragmentId) -> W
     wire.iter().map(&mut leaf).collect()
 }
 
-/// Creates an alias for a signal that enters a fragment, where the signal is itself an alias and may turn out to be an
-/// output of that fragment.
+/// Adds a placeholder port for a signal that enters a fragment. The signal is itself a placeholder and may turn out to
+/// be an output of that fragment.
 fn new_entry(
     elab: &mut Elaborator<'_>,
     known: usize,
@@ -80,8 +81,8 @@ fn new_entry(
     Signal::Port(port)
 }
 
-/// Returns the signal of a resolved alias for a signal that enters a fragment: a copy node outside the fragment if the
-/// fragment itself computes the signal.
+/// Returns the signal to which a placeholder port of a fragment input is connected. If the fragment itself computes the
+/// signal, it is copied by a net node outside of the fragment, so that the dependency cycle is visible.
 pub(super) fn resolve_entry(elab: &mut Elaborator<'_>, alias: usize, signal: Signal) -> Signal {
     let Some(&fragment) = elab.aliases.entries.get(&alias) else {
         return signal;

@@ -18,15 +18,16 @@ use rpi_diag::Span;
 use rpi_image::{Scalar, Type};
 use rpi_net::{Activation, FragmentId, PortRef};
 
-/// Leaf that is read outside a block before the fragment of the block exists.
+/// Leaf (scalar part) of a flow that is read outside of its block before the fragment of the block has been added to
+/// the net.
 pub(super) struct PendingGate {
     alias: usize,
     block: BlockId,
     reader: FragmentId,
 }
 
-/// Returns the signals of a flow for a reader in its unit. A reader outside a block that may be inactive sees an
-/// optional flow.
+/// Returns the signals of a flow for an expression at the position `at`. `is_outside` is whether the expression is
+/// outside of a block that contains the flow and may be inactive; the flow is then optional.
 pub(super) fn read_flow<'u>(
     elab: &mut Elaborator<'u>,
     scope: &mut Scope<'u>,
@@ -45,7 +46,8 @@ pub(super) fn read_flow<'u>(
     wire
 }
 
-/// Adds a node for each leaf that is read, at the position of the reader.
+/// Adds a net node for each leaf (scalar part) of a flow that is read, at the position of the read, and returns their
+/// signals. The nodes make the read visible in messages about dependency cycles.
 fn insert_reads<'u>(
     elab: &mut Elaborator<'u>,
     scope: &Scope<'u>,
@@ -91,8 +93,8 @@ fn flow_for_reader<'u>(
     wire.iter().map(&mut leaf).collect()
 }
 
-/// Returns the signals of a value from fragment `from` for a reader in fragment `reader`: absent while `from` is
-/// inactive.
+/// Returns the signals of a value that is computed in the fragment `from`, for expressions in the fragment `reader`.
+/// They are absent while `from` is inactive.
 pub(super) fn gate_wire(
     elab: &mut Elaborator<'_>,
     wire: &Wire,
@@ -112,7 +114,8 @@ pub(super) fn gate_wire(
     wire.iter().map(&mut leaf).collect()
 }
 
-/// Assigns the leaves that were read before their fragments existed to these fragments, which all exist now.
+/// Records the fragments of the leaves (scalar parts) that were read before the fragments were added to the net. All
+/// these fragments exist now.
 pub(super) fn assign_pending_gates<'u>(elab: &mut Elaborator<'u>, scope: &mut Scope<'u>) {
     for leaf in std::mem::take(&mut scope.pending_gates) {
         let from = scope.fragment(leaf.block);
@@ -122,8 +125,8 @@ pub(super) fn assign_pending_gates<'u>(elab: &mut Elaborator<'u>, scope: &mut Sc
     }
 }
 
-/// Creates an alias for a signal that leaves a fragment, where the signal may turn out not to be computed in that
-/// fragment.
+/// Adds a placeholder port for a signal that leaves a fragment and may turn out not to be computed in that fragment.
+/// Returns the index of the placeholder and its signal; `None` if the signal needs no placeholder.
 fn new_gate(elab: &mut Elaborator<'_>, signal: &Signal) -> Option<(usize, Signal)> {
     let scalar = match signal {
         Signal::Const(value) => match value.ty()? {
@@ -142,15 +145,16 @@ fn new_gate(elab: &mut Elaborator<'_>, signal: &Signal) -> Option<(usize, Signal
     Some((alias, Signal::Port(port)))
 }
 
-/// Returns whether fragment `from` may be inactive while fragment `reader` is active.
+/// Returns whether the fragment `from` may be inactive while the fragment `reader` is active.
 fn is_gated(elab: &Elaborator<'_>, from: FragmentId, reader: FragmentId) -> bool {
     let inside = elab.net.ancestors(from);
     let mut inside = inside.take_while(|f| elab.net.ancestors(reader).all(|r| r != *f));
     inside.any(|f| matches!(elab.net.fragment(f).activation, Activation::When { .. }))
 }
 
-/// Returns the signal of a resolved alias for a signal that leaves a fragment: a node in the fragment if the signal is
-/// a constant or computed elsewhere.
+/// Returns the signal to which a placeholder port of a fragment output is connected. A constant or a signal that is
+/// computed elsewhere becomes the output of a net node in the fragment, so that it is absent while the fragment is
+/// inactive.
 pub(super) fn resolve_gate(elab: &mut Elaborator<'_>, alias: usize, signal: Signal) -> Signal {
     let Some(&from) = elab.aliases.gates.get(&alias) else {
         return signal;
@@ -179,7 +183,7 @@ pub(super) fn is_computed_in(elab: &Elaborator<'_>, port: PortRef, fragment: Fra
     elab.net.ancestors(maker).any(|f| f == fragment)
 }
 
-/// Returns the machine type of a port with one leaf.
+/// Returns the machine type of a port that carries one leaf (scalar part); `None` for arrays.
 fn scalar_of(elab: &Elaborator<'_>, port: PortRef) -> Option<Scalar> {
     match elab
         .net

@@ -13,7 +13,7 @@ use rpi_image::Role;
 use rpi_prims::PrimId;
 use std::rc::Rc;
 
-/// Primitives that can fault, each with its variant that runs only while a guard is true.
+/// Primitives that can fault, each with the variant of the primitive that runs only while a guard is true.
 const GUARDED_VARIANTS: &[(&str, &str)] = &[
     ("Core::IntAdd", "Rpi::GuardedIntAdd"),
     ("Rpi::IntSubtract", "Rpi::GuardedIntSubtract"),
@@ -36,22 +36,22 @@ pub(super) fn guarded_variant(prim: PrimId) -> Option<PrimId> {
     PrimId::from_name(row.1)
 }
 
-/// Properties of an expression including its operands.
+/// Properties of an expression, including its operands and the units that it calls.
 #[derive(Clone, Copy, Default)]
 pub(super) struct ExprProperties {
-    /// Whether the expression contains an operation that can fault and can be guarded.
+    /// Whether the expression, including its operands, contains an operation that can fault and can be guarded.
     can_fault: bool,
-    /// Whether the expression contains state, which runs in all cycles.
+    /// Whether the expression, including its operands, contains state, which runs in all cycles.
     has_state: bool,
 }
 
-/// Properties of a unit and of its expressions.
+/// Properties of a unit and of its expressions, for deciding which operations run only under a condition.
 pub(super) struct UnitProperties {
-    /// Properties of each expression of the unit.
+    /// Properties of each expression of the unit, by the index of the expression.
     exprs: Vec<ExprProperties>,
-    /// Whether the unit can fault, or has a claim.
+    /// Whether the unit contains an operation that can fault, or a claim (an assertion or a clause of a contract).
     can_fault: bool,
-    /// Whether the unit has no state, neither in its body nor in a contract, so that its calls can be guarded as a
+    /// Whether the unit has no state, neither in its body nor in a contract. Calls of such a unit can be guarded as a
     /// whole.
     is_stateless: bool,
 }
@@ -66,12 +66,12 @@ pub(super) fn contains_state<'u>(elab: &mut Elaborator<'u>, scope: &Scope<'u>, i
     expr_properties(elab, scope, id).has_state
 }
 
-/// Returns whether a call is guarded as a whole.
+/// Returns whether a call can run as a whole only while a guard is true, because the called unit has no state.
 pub(super) fn is_guarded(elab: &mut Elaborator<'_>, call: &Call) -> bool {
     matches!(call.activation, Activation::Always) && is_stateless_expr(elab, call.unit)
 }
 
-/// Returns whether a unit has no state, so that a call of it may be left out in cycles that do not need its result.
+/// Returns whether a unit has no state. A call of such a unit may be left out in cycles that do not need its result.
 pub(super) fn is_stateless_expr(elab: &mut Elaborator<'_>, unit: UnitId) -> bool {
     match elab.units[unit.0 as usize].kind {
         UnitKind::Function => true,
@@ -80,7 +80,8 @@ pub(super) fn is_stateless_expr(elab: &mut Elaborator<'_>, unit: UnitId) -> bool
     }
 }
 
-/// Returns the properties of an expression. A constant outside any unit has no state and no faults at run time.
+/// Returns the properties of an expression. An expression outside of any unit has no state and does not fault at run
+/// time.
 fn expr_properties<'u>(elab: &mut Elaborator<'u>, scope: &Scope<'u>, id: ExprId) -> ExprProperties {
     match scope.id {
         Some(unit) => unit_properties(elab, unit).exprs[id.0 as usize],
@@ -88,8 +89,8 @@ fn expr_properties<'u>(elab: &mut Elaborator<'u>, scope: &Scope<'u>, id: ExprId)
     }
 }
 
-/// Computes the properties of a unit after those of its callees. Iterative, because a chain of calls may exceed the
-/// stack.
+/// Returns the properties of a unit, computed after those of the units that it calls. The computation is iterative,
+/// because a chain of calls could overflow the stack.
 fn unit_properties(elab: &mut Elaborator<'_>, id: UnitId) -> Rc<UnitProperties> {
     let mut open = vec![id];
     let mut entered: FastSet<UnitId> = FastSet::default();
@@ -135,7 +136,7 @@ fn compute_unit_properties(elab: &Elaborator<'_>, unit: &Unit) -> UnitProperties
     }
 }
 
-/// Computes the properties of all expressions of a unit. The table contains the operands of an expression before it.
+/// Returns the properties of all expressions of a unit, by index. Operands precede the expressions that use them.
 fn compute_expr_properties(elab: &Elaborator<'_>, unit: &Unit) -> Vec<ExprProperties> {
     let mut all: Vec<ExprProperties> = Vec::with_capacity(unit.exprs.len());
     for expr in &unit.exprs {
@@ -152,7 +153,8 @@ fn compute_expr_properties(elab: &Elaborator<'_>, unit: &Unit) -> Vec<ExprProper
     all
 }
 
-/// Returns the properties of an expression without its operands. Operations that feed a state are not guarded.
+/// Returns the properties of an expression without those of its operands. Operations whose values are stored in a state
+/// are not guarded.
 fn own_properties(elab: &Elaborator<'_>, expr: &Expr) -> ExprProperties {
     let kind = &expr.kind;
     let called =
@@ -190,13 +192,14 @@ pub(super) fn has_state(call: &PrimCall) -> bool {
         || matches!(desc.role, Role::Delay | Role::Actuator(_) | Role::Export)
 }
 
-/// Returns whether a block has no fragment of its own: the body or a contract, without automata, exports and condition.
+/// Returns whether a block has no fragment of its own: it is the body of the unit or a contract, and has no automata,
+/// exports or activation condition.
 fn has_no_fragment(id: BlockId, block: &Block) -> bool {
     let is_inside = id != BlockId::ROOT && !block.is_contract;
     !is_inside && block.automata.is_empty() && block.exports.is_empty() && block.when.is_none()
 }
 
-/// Iterates over the calls in a unit.
+/// Returns all calls in the expressions of a unit.
 fn calls(unit: &Unit) -> impl Iterator<Item = &Call> {
     unit.exprs.iter().filter_map(|expr| match &expr.kind {
         TypedKind::Call(call) => Some(&**call),

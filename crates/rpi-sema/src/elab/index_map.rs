@@ -2,12 +2,12 @@
 
 use crate::hash::FastMap;
 
-/// Map from indices to values. Values that were never set are `T::default()`.
+/// Map from indices to values, such as the signals of each expression. A value that was never set is `T::default()`.
 pub(super) enum IndexMap<T> {
-    /// Table with an entry for each index, for a scope that visits most indices.
+    /// Table with an entry for each index, for maps in which most indices are used.
     Dense(Vec<T>),
-    /// Hash map, for a constant, which visits few indices. A full table for each constant would take quadratic time in
-    /// the length of the text.
+    /// Hash map, for the evaluation of a constant, which uses few indices. A full table for each constant would take
+    /// quadratic time in the length of the program text.
     Sparse(FastMap<u32, T>),
 }
 

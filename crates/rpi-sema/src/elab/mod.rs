@@ -66,36 +66,38 @@ pub use crate::elab::short_circuit::LazyOperand;
 use crate::facts::Facts;
 use crate::hash::{FastMap, FastSet};
 use crate::typed::{ExprId, Unit, UnitId};
-use rpi_diag::Diagnostic;
+use rpi_diag::{Diagnostic, Span};
 use rpi_image::Scalar;
 use rpi_net::{DecisionBranch, FragmentId, Net, PortRef};
 use rpi_prims::PrimId;
 use signal::{Signal, Wire};
 use std::rc::Rc;
 
-/// Purpose of an elaboration, which decides what the net contains.
+/// Purpose of an elaboration. The purpose decides what the net contains.
 #[derive(Clone, Copy, PartialEq, Debug)]
 enum ElabMode {
-    /// The net is to be run.
+    /// The net is made to be run.
     Net,
-    /// The net is for the dependency analysis (M5): it contains the whole source, with branches that a constant never
-    /// chooses.
+    /// The net is for the dependency analysis (M5): it contains the whole source, including branches that a constant
+    /// condition never takes.
     Dependencies,
-    /// Like [`ElabMode::Dependencies`], with a node for every equation, including mere copies. Messages about
-    /// dependency cycles are drawn from this net.
+    /// The net is for messages about dependency cycles: it contains the whole source, with a node for every equation,
+    /// even if the equation only copies a flow.
     DependencySteps,
-    /// No net is made: a constant is evaluated.
+    /// No net is needed: a constant expression is evaluated.
     Constant,
 }
 
-/// Position in the net at which an expression is evaluated: fragment, guard and branch.
+/// Position in the net at which an expression is evaluated: the fragment, the guard and the branch of an `if`.
 #[derive(Clone, Copy, PartialEq, Debug)]
 struct Position {
-    /// Fragment of the expression.
+    /// Fragment of the net in which the expression is evaluated.
     fragment: FragmentId,
-    /// Condition under which the enclosing branch of an `if` is chosen. Operations that can fault are guarded by it.
+    /// Condition under which the branches of `if` around the expression are taken; `None` if operations can run in
+    /// every cycle. Operations that can fault run only while it is true.
     guard: Option<PortRef>,
-    /// Enclosing branch of an `if`, for coverage; `None` unless coverage points are recorded.
+    /// Branch of an `if` that contains the expression, for coverage; `None` outside of branches or unless coverage is
+    /// recorded.
     branch: Option<DecisionBranch>,
 }
 
@@ -115,7 +117,7 @@ impl Position {
     }
 }
 
-/// State of the elaboration of one net or constant.
+/// State of the elaboration of one net, or of the evaluation of one constant.
 struct Elaborator<'u> {
     units: &'u [Unit],
     facts: &'u [Facts],
@@ -125,90 +127,94 @@ struct Elaborator<'u> {
     cache: Cache,
     inlining: Inlining,
     naming: Naming,
-    /// Fragments of blocks that are written in a body, rather than called.
+    /// Fragments of the net for blocks that are written in a body, as opposed to fragments for calls.
     in_place: FastSet<FragmentId>,
-    /// First reason why the constant cannot be evaluated.
+    /// First reason why the constant cannot be evaluated or the net cannot be built; `None` if there is none so far.
     failure: Option<NotConstantError>,
-    /// Remaining number of nodes that may be added.
+    /// Number of nodes that may still be added to the net.
     budget: node_budget::NodeBudget,
     diagnostics: Vec<Diagnostic>,
-    /// Whether the unit or a called one contains claims.
+    /// Whether the unit or a unit that it calls contains claims (assertions or clauses of contracts).
     has_claims: bool,
-    /// Operands with state that are not always needed.
+    /// Operands that are not needed in every cycle and contain state, which runs in all cycles.
     lazy_operands: Vec<LazyOperand>,
-    /// Whether code was left out because a constant rules it out.
+    /// Whether code that a constant condition makes unreachable was left out of the net.
     leaves_out_code: bool,
-    /// Treatment of claims.
+    /// Treatment of claims: left out, exported for the host, or faults.
     claim_policy: ClaimPolicy,
-    /// Whether coverage points are recorded.
+    /// Whether coverage points (places whose execution is counted) are recorded.
     records_coverage: bool,
-    /// Exported ports that keep flows alive that nothing in the net reads.
+    /// Exports of claims and observed flows. They belong to flows that nothing else in the net may read.
     kept_exports: Vec<rpi_net::ExportPort>,
 }
 
-/// Placeholder ports for signals that are read before they are known.
+/// Placeholder ports ("aliases") for signals that are read before they are known.
 #[derive(Default)]
 struct Aliases {
-    /// Signal of each alias, once it is known.
+    /// Signal for which each alias stands; `None` until it is known.
     signals: Vec<Option<Signal>>,
     types: Vec<Scalar>,
-    /// For each alias, whether it is being resolved, to detect aliases that depend on themselves.
+    /// For each alias, whether the signal for which it stands is being looked up, to detect aliases that stand for one
+    /// another.
     in_progress: Vec<bool>,
-    /// For each alias of a signal that leaves a fragment, that fragment. Outside, its constants are present only while
-    /// the fragment is active.
+    /// For each alias of a signal that leaves a fragment, that fragment. Outside of it, a constant signal is present
+    /// only while the fragment is active.
     gates: FastMap<usize, FragmentId>,
-    /// For each alias of a signal that enters a fragment, that fragment. To its surroundings the fragment is one
-    /// vertex.
+    /// For each alias of a signal that enters a fragment, that fragment. For dependencies, a fragment counts as one
+    /// vertex: each output depends on all inputs.
     entries: FastMap<usize, FragmentId>,
-    /// For each flow, the alias by which it was known before its equation was reached. Filled only where clocks are
-    /// used.
+    /// For each port of a flow, the alias by which the flow was read before its equation was elaborated. Entries exist
+    /// only in units with sampled flows.
     names_before: FastMap<PortRef, PortRef>,
-    /// Arrays whose leaves are not known yet, in the order of their aliases.
+    /// Arrays with leaves (scalar parts) that are not known yet, in the order of the aliases that stand for the arrays.
     deferred_arrays: Vec<deferred_arrays::DeferredArray>,
 }
 
-/// Ports and fragments that are created once and used again.
+/// Ports and fragments of the net that are added once and used again.
 #[derive(Default)]
 struct Cache {
-    /// Out-port with the flow `first` (true in the first cycle) of each fragment that reads it.
+    /// For each fragment that reads it, the out-port that is true in the first cycle of the fragment.
     firsts: FastMap<FragmentId, PortRef>,
-    /// Inputs of the cycle (`time`, `cancel`) that have been read in each fragment.
+    /// Inputs of the cycle, such as `time` and `cancel`, that have been read in each fragment, by fragment and
+    /// primitive.
     cycle_inputs: FastMap<(FragmentId, PrimId), signal::Wire>,
-    /// Fragments that hold the operations of a clock.
+    /// For each clock of a sampled flow, the fragment with the operations that run when the clock ticks.
     clock_fragments: FastMap<sampled_flows::ClockKey, FragmentId>,
-    /// Elements that have been extracted from array ports.
+    /// Array elements that have been extracted, by the array port and the index of the element.
     elements: FastMap<(PortRef, u32), PortRef>,
-    /// Sensor ports that have been read.
+    /// Sensor ports that have been read, by device, port and index of the leaf (scalar part).
     sensors: FastMap<(String, String, u32), PortRef>,
-    /// State and faults of units that have been analysed.
+    /// For each unit that has been analysed, whether it has state and can fault.
     unit_properties: FastMap<UnitId, Rc<guards::UnitProperties>>,
 }
 
-/// Calls that are being inlined.
+/// State of the inlining of calls.
 #[derive(Default)]
 struct Inlining {
-    /// Stack of the calls, outermost first.
+    /// Units whose calls are being inlined, outermost first.
     call_stack: Vec<UnitId>,
-    /// Guard of the innermost call.
+    /// Locations of the calls in the stack.
+    call_spans: Vec<Span>,
+    /// Guard of the position at which the innermost call is inlined; `None` if the call runs in every cycle.
     guard: Option<PortRef>,
-    /// Signals of the clock conditions of the outputs of the unit that was inlined last.
+    /// Signals of the clock conditions of the outputs of the unit that was inlined last, for its caller.
     exposed_conditions: Vec<Signal>,
-    /// Whether the results of the next unit are kept while the unit does not run.
+    /// Whether the results of the next inlined unit are held in cycles in which the unit does not run.
     keeps_results: bool,
 }
 
-/// Naming of net nodes: nodes get the names of the flows that they compute.
+/// Names for the nodes of the net: nodes are named after the flows that they compute.
 #[derive(Default)]
 struct Naming {
-    /// Name of the flow that is being defined, prefixed by the path of calls.
+    /// Name of the flow that is being defined, with the path of calls before it.
     name: String,
-    /// Expression that is the whole value of that flow.
+    /// Expression that is the whole value of the flow that is being defined; `None` if there is none.
     top_expr: Option<ExprId>,
-    /// Number of nodes added for that flow so far, for numbered names.
+    /// Number of nodes added for the flow that is being defined, for names with numbers.
     serial: u32,
 }
 
-/// Greatest depth of nested calls. Each level of inlining costs stack.
+/// Maximum depth of nested calls. Each level of inlining needs stack.
 pub(crate) const MAX_DEPTH: usize = 400;
 
 impl<'u> Elaborator<'u> {
@@ -235,7 +241,8 @@ impl<'u> Elaborator<'u> {
         }
     }
 
-    /// Records why a constant cannot be evaluated. Only the first reason is kept.
+    /// Records the reason why a constant cannot be evaluated or a net cannot be built, unless one is recorded. Returns
+    /// a value without signals.
     fn fail(&mut self, reason: NotConstantError) -> Wire {
         self.failure.get_or_insert(reason);
         signal::empty_wire()

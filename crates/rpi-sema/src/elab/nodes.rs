@@ -16,8 +16,8 @@ use rpi_net::{FragmentId, Input, Inputs, Node, NodeId, Origin, PortRef, Types};
 use rpi_prims::{FaultCode, PrimId, fold};
 use smallvec::smallvec;
 
-/// Adds a primitive with its inputs connected (`None` for an unconnected one) and all its parameters. Returns the
-/// leaves of its outputs.
+/// Adds a primitive to the net with its inputs (`None` for an unconnected one) and the values of all its parameters.
+/// Returns the signals of its outputs.
 pub(super) fn add_prim(
     elab: &mut Elaborator<'_>,
     prim: PrimId,
@@ -33,7 +33,8 @@ pub(super) fn add_prim(
     add_prim_typed(elab, prim, inputs, params, at, span)
 }
 
-/// Like [`add_prim`], for inputs whose types are known including sizes.
+/// Adds a primitive to the net whose inputs have known types, including array sizes. Returns the signals of its
+/// outputs.
 pub(super) fn add_prim_typed(
     elab: &mut Elaborator<'_>,
     prim: PrimId,
@@ -53,7 +54,8 @@ pub(super) fn add_prim_typed(
     add_connected(elab, prim, connected, params, at, span)
 }
 
-/// Adds a primitive whose inputs are ports or constants. If its result is constant, it is folded and no node is added.
+/// Adds a primitive to the net whose inputs are ports or constants, and returns the signals of its outputs. If the
+/// result is constant, it is computed and no node is added.
 fn add_connected(
     elab: &mut Elaborator<'_>,
     prim: PrimId,
@@ -75,7 +77,7 @@ fn add_connected(
     out_wire(elab, node)
 }
 
-/// Adds a primitive with inputs of one leaf and one output.
+/// Adds a primitive to the net that has scalar inputs and one output, and returns the signal of the output.
 pub(super) fn add_simple(
     elab: &mut Elaborator<'_>,
     prim: PrimId,
@@ -98,7 +100,8 @@ pub(super) fn add_simple(
     wire.first().cloned().unwrap_or(Signal::Absent)
 }
 
-/// Adds a node of the primitive that a family, such as `Conditional`, has for a type of values. Returns its output.
+/// Adds the primitive that a family of primitives, such as `Conditional`, has for a type of values, and returns the
+/// signal of its output.
 pub(super) fn add_family_member(
     elab: &mut Elaborator<'_>,
     family: PrimitiveFamily,
@@ -113,7 +116,8 @@ pub(super) fn add_family_member(
     }
 }
 
-/// Adds a node that copies its input. Returns the port itself if its type has no such primitive.
+/// Adds a net node that copies its input, and returns its output. Returns the port itself if there is no such primitive
+/// for its type.
 pub(super) fn add_copy(
     elab: &mut Elaborator<'_>,
     port: PortRef,
@@ -131,7 +135,7 @@ pub(super) fn add_copy(
     Signal::Port(PortRef { node, port: 0 })
 }
 
-/// Adds a node of a primitive to a fragment of the net and returns its id.
+/// Adds a node with a primitive to a fragment of the net and returns its identifier.
 pub(super) fn add_node(
     elab: &mut Elaborator<'_>,
     prim: PrimId,
@@ -158,7 +162,7 @@ pub(super) fn add_node(
     })
 }
 
-/// Returns the signals of all outputs of a node.
+/// Returns the signals of all outputs of a net node, leaf by leaf (scalar part).
 pub(super) fn out_wire(elab: &Elaborator<'_>, node: NodeId) -> Wire {
     let outputs = &elab.net.node(node).outputs;
     if let [Type::Scalar(_)] = outputs[..] {
@@ -231,7 +235,8 @@ fn report_unknown_size(elab: &mut Elaborator<'_>, prim: PrimId, span: Span) -> W
     elab.fail(NotConstantError::Reported)
 }
 
-/// Returns the folded result if all inputs are constant and the primitive can be folded.
+/// Returns the constant result of a primitive if all its inputs are constant and it can be evaluated at compile time;
+/// `None` otherwise. Reports a fault in the evaluation.
 fn try_fold(
     elab: &mut Elaborator<'_>,
     prim: PrimId,
@@ -259,7 +264,8 @@ fn try_fold(
     }
 }
 
-/// Reports a fault that occurs in every cycle. Under a guard it may never be reached, so it is not reported.
+/// Reports a fault that occurs in every cycle in which the operation runs. Under a guard the operation may never run,
+/// so that the fault is not reported.
 fn report_constant_fault(elab: &mut Elaborator<'_>, fault: FaultCode, at: Position, span: Span) {
     if at.guard.is_some() {
         return;
@@ -272,20 +278,28 @@ pub(super) fn report_certain_fault(elab: &mut Elaborator<'_>, what: String, span
         ElabMode::Constant => {
             elab.fail(NotConstantError::Fault(span, what));
         }
-        ElabMode::Net | ElabMode::Dependencies | ElabMode::DependencySteps => elab
-            .diagnostics
-            .push(Diagnostic::new(Code::RPI2010, what).primary(span, "in every cycle")),
+        ElabMode::Net | ElabMode::Dependencies | ElabMode::DependencySteps => {
+            let diagnostic =
+                Diagnostic::new(Code::RPI2010, what).primary(span, "a fault in every cycle");
+            elab.diagnostics
+                .push(match elab.inlining.call_spans.last() {
+                    Some(call) => diagnostic
+                        .secondary(*call, "with the arguments of this call")
+                        .help("pass other arguments, or correct the operation"),
+                    None => diagnostic.help("correct this operation, or the values that it reads"),
+                });
+        }
     }
 }
 
-/// Reserves memory for `more` aliases.
+/// Reserves memory for `more` placeholder ports.
 pub(super) fn reserve_aliases(elab: &mut Elaborator<'_>, more: usize) {
     elab.aliases.signals.reserve(more);
     elab.aliases.types.reserve(more);
     elab.aliases.in_progress.reserve(more);
 }
 
-/// Creates an alias for a flow of a machine type.
+/// Adds a placeholder port for a signal of this machine type that is not known yet, and returns it.
 pub(super) fn new_alias(elab: &mut Elaborator<'_>, scalar: Scalar) -> PortRef {
     elab.aliases.signals.push(None);
     elab.aliases.types.push(scalar);
@@ -293,7 +307,7 @@ pub(super) fn new_alias(elab: &mut Elaborator<'_>, scalar: Scalar) -> PortRef {
     resolve_alias(elab.aliases.signals.len() - 1)
 }
 
-/// Returns the signal that is true in the first cycle of a fragment. Its node is created at the first use.
+/// Returns the signal that is true in the first cycle of a fragment. Its net node is added on first use.
 pub(super) fn first_port(elab: &mut Elaborator<'_>, fragment: FragmentId, span: Span) -> Signal {
     if let Some(port) = elab.cache.firsts.get(&fragment) {
         return Signal::Port(*port);
@@ -311,7 +325,8 @@ pub(super) fn first_port(elab: &mut Elaborator<'_>, fragment: FragmentId, span: 
     signal
 }
 
-/// Formats `name#serial`. Written by hand because every node gets such a name and formatting is slow.
+/// Returns the text `name#serial`. The text is not built by `format!`, which is slow, because every net node gets such
+/// a name.
 fn numbered(name: &str, serial: u32) -> String {
     let digits = serial.checked_ilog10().unwrap_or(0);
     let digit = |k| char::from_digit(serial / 10_u32.pow(k) % 10, 10);
@@ -331,7 +346,7 @@ pub(super) fn default_params(prim: PrimId) -> Vec<Value> {
         .collect()
 }
 
-/// Returns the input of an unconnected port: its default, or open.
+/// Returns the input of a net node for a port that is not connected: its default, or none.
 fn unconnected_input(need: Fallback, ty: PortType) -> Input {
     let PortType::Scalar(scalar) = ty else {
         return Input::Unconnected;
@@ -352,7 +367,7 @@ fn default_input(default: PortDefault, scalar: Scalar) -> Input {
         .map_or(Input::Unconnected, Input::constant)
 }
 
-/// Splits a value into its leaves, the elements of an array.
+/// Returns the leaves (scalar parts) of a value: the elements of an array or matrix, or the value itself.
 pub(super) fn leaves(value: &Value) -> Vec<Leaf> {
     let (scalar, count) = match value.ty() {
         None | Some(Type::Scalar(_)) => return vec![value.clone()],

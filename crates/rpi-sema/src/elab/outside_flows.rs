@@ -17,7 +17,8 @@ use rpi_diag::Span;
 use rpi_image::{Scalar, Value};
 use rpi_net::prim;
 
-/// Returns a flow for a reader in all cycles of its block: absent where the clock of the flow does not tick.
+/// Returns the signals of a flow for expressions that run in all cycles of its block: the flow is absent in cycles in
+/// which its clock does not tick. `wire` has the signals of the flow on its own clock.
 pub(super) fn off_clock_absent<'u>(
     elab: &mut Elaborator<'u>,
     scope: &mut Scope<'u>,
@@ -34,7 +35,7 @@ pub(super) fn off_clock_absent<'u>(
     on_reader_clock(elab, scope, (wire, &scalars), clocks, span)
 }
 
-/// Returns the value of an equation on the clocks of its targets.
+/// Returns the signals of an equation's value on the clocks of the flows that it defines.
 pub(super) fn value_for_targets<'u>(
     elab: &mut Elaborator<'u>,
     scope: &mut Scope<'u>,
@@ -61,8 +62,9 @@ pub(super) fn value_for_targets<'u>(
     on_reader_clock(elab, scope, (&wire, &scalars), pair, expr.span)
 }
 
-/// Returns leaves of a value, each with its clock and its reader's clock as given by `clocks`. A leaf on a slower
-/// clock becomes absent where that clock does not tick.
+/// Returns the signals of a value for an expression on another clock. `clocks` returns for each leaf (scalar part) its
+/// own clock and that of the expression. A leaf with a slower clock is absent in cycles in which that clock does not
+/// tick.
 pub(super) fn on_reader_clock<'u>(
     elab: &mut Elaborator<'u>,
     scope: &mut Scope<'u>,
@@ -115,8 +117,8 @@ pub(super) fn on_reader_clock<'u>(
     leaves.into()
 }
 
-/// Returns the operand of `when` in the cycles in which both its clock and that of the condition tick. Leaves on other
-/// clocks are optional there.
+/// Returns the signals of the operand of `when` in the cycles in which both its clock and the clock of the condition
+/// tick. A leaf (scalar part) with a further sampling is absent in cycles in which it has no value.
 pub(super) fn sampled_value<'u>(
     elab: &mut Elaborator<'u>,
     scope: &mut Scope<'u>,
@@ -155,7 +157,7 @@ pub(super) fn sampled_value<'u>(
     leaves.into()
 }
 
-/// Returns the condition that at least one of these nested samplings does not tick.
+/// Returns the signal that is true in cycles in which at least one of the nested samplings `path` does not tick.
 fn inactive_condition<'u>(
     elab: &mut Elaborator<'u>,
     scope: &mut Scope<'u>,
@@ -180,8 +182,9 @@ fn inactive_condition<'u>(
     nodes::add_simple(elab, prim!("Core::BooleanNot"), &[active], at, span)
 }
 
-/// Returns a flow for readers outside its block: defined in all cycles of the block, absent where its clock does
-/// not tick. The aliases are bound at the end, when the fragment of the block exists.
+/// Returns the signals of a flow for expressions outside of its block. The flow has a signal in all cycles of the block
+/// and is absent in cycles in which its clock does not tick. The signals are placeholder ports, which are connected
+/// when the fragment of the block exists.
 pub(super) fn flow_outside_block<'u>(
     elab: &mut Elaborator<'u>,
     scope: &mut Scope<'u>,
@@ -202,7 +205,8 @@ pub(super) fn flow_outside_block<'u>(
     wire
 }
 
-/// Connects flows that were read outside of their blocks before the fragments of these blocks existed.
+/// Connects the placeholder ports of flows that were read outside of their blocks before the fragments of these blocks
+/// were added to the net.
 pub(super) fn bind_outside_flows<'u>(elab: &mut Elaborator<'u>, scope: &mut Scope<'u>) {
     let around = scope.base;
     for (flow, aliases) in std::mem::take(&mut scope.outside_reads) {

@@ -14,7 +14,8 @@ use rpi_image::Value;
 use rpi_net::prim;
 use rpi_prims::PrimId;
 
-/// Returns a condition that is true in cycles in which the enclosing branch is not chosen.
+/// Returns the condition in the form `guard => condition`, where the guard is that of `at`: it is true in cycles in
+/// which the branch of the `if` around `at` is not taken.
 pub(super) fn imply_guard(
     elab: &mut Elaborator<'_>,
     condition: &Signal,
@@ -33,7 +34,8 @@ pub(super) fn imply_guard(
     }
 }
 
-/// Adds a check that ends the command with a fault in a cycle in which the condition is false.
+/// Adds a check to the net: in a cycle in which the condition is false, the primitive `check` ends the command with a
+/// fault.
 pub(super) fn assert(
     elab: &mut Elaborator<'_>,
     check: PrimId,
@@ -48,8 +50,8 @@ pub(super) fn assert(
     add_check(elab, check, &[condition], at, span);
 }
 
-/// Adds the check of an index, which is `inside` its array. `values` are the index and the number of elements, for the
-/// message.
+/// Adds a check of an array index to the net. `inside` is whether the index is within the array, and `values` are the
+/// index and the number of elements, for the message of the fault.
 pub(super) fn assert_index(
     elab: &mut Elaborator<'_>,
     inside: &Signal,
@@ -83,7 +85,7 @@ fn add_check(
     }
 }
 
-/// Elaborates `x = y`, leaf by leaf.
+/// Elaborates `x = y` (or `x <> y` if `negated`), which compares all leaves (scalar parts) of two values.
 pub(super) fn equality<'u>(
     elab: &mut Elaborator<'u>,
     scope: &mut Scope<'u>,
@@ -118,7 +120,7 @@ pub(super) fn equality<'u>(
     })
 }
 
-/// Elaborates `present(x)`: true if all leaves are present.
+/// Elaborates `present(x)`, which is true if all leaves (scalar parts) of `x` are present.
 pub(super) fn present<'u>(
     elab: &mut Elaborator<'u>,
     scope: &mut Scope<'u>,
@@ -150,7 +152,8 @@ pub(super) fn present<'u>(
     single_wire(all)
 }
 
-/// Returns a conjunction, without a node if one operand is constant.
+/// Returns the conjunction of two conditions. No net node is added if one of them is the constant `true`, or `false` so
+/// that the other is not needed.
 pub(super) fn conjunction(
     elab: &mut Elaborator<'_>,
     a: &Signal,
@@ -180,7 +183,7 @@ pub(super) fn conjunction(
     }
 }
 
-/// Elaborates `not present(x)` of a single leaf as one primitive.
+/// Elaborates `not present(x)` by one primitive if `x` has a single leaf (scalar part); `None` for other calls.
 pub(super) fn not_present<'u>(
     elab: &mut Elaborator<'u>,
     scope: &mut Scope<'u>,

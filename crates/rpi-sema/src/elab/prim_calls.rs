@@ -71,7 +71,7 @@ pub(super) fn prim_call<'u>(
     wire
 }
 
-/// Returns the signals of an argument of a primitive with its machine type.
+/// Returns the machine type and the signals of an argument for a primitive's port. `pair` is the call and the argument.
 fn primitive_argument<'u>(
     elab: &mut Elaborator<'u>,
     scope: &mut Scope<'u>,
@@ -89,7 +89,7 @@ fn primitive_argument<'u>(
     )
 }
 
-/// Returns the value of a parameter with these leaves.
+/// Returns the value of a primitive's parameter that consists of these leaves (scalar parts); `None` if there are none.
 fn param_value(ty: ParamType, leaves: &[Value]) -> Option<Value> {
     match ty {
         ParamType::Array(scalar) => Some(crate::ty::machine_types::pack_leaves(scalar, leaves)),
@@ -97,7 +97,8 @@ fn param_value(ty: ParamType, leaves: &[Value]) -> Option<Value> {
     }
 }
 
-/// Evaluates the parameters of a primitive, which must be constant here.
+/// Returns the values of a primitive's parameters, which must be constant. `None`, with the failure recorded, if one is
+/// not.
 fn primitive_params<'u>(
     elab: &mut Elaborator<'u>,
     scope: &mut Scope<'u>,

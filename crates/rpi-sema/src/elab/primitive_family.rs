@@ -4,7 +4,7 @@ use rpi_image::Scalar;
 use rpi_prims::PrimId;
 use std::sync::OnceLock;
 
-/// Operation that is implemented by one primitive for each value type.
+/// Operation that has one primitive for each machine type of its values, such as the conditional.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub(super) enum PrimitiveFamily {
     Value,
@@ -25,7 +25,7 @@ pub(super) enum PrimitiveFamily {
     Input,
 }
 
-/// For each operation, the parts of a primitive's name before and after that of the value type.
+/// For each family of primitives, the parts of a primitive's name before and after the name of the value type.
 const NAMES: &[(PrimitiveFamily, Prefix, &str)] = &[
     (PrimitiveFamily::Value, Prefix::Reference, "Value"),
     (PrimitiveFamily::IsNull, Prefix::Reference, "IsNull"),
@@ -49,20 +49,21 @@ const NAMES: &[(PrimitiveFamily, Prefix, &str)] = &[
     (PrimitiveFamily::Input, Prefix::Reference, "NetcommIn"),
 ];
 
-/// First part of the names of the primitives in a family.
+/// Part of a primitive's name before the name of the value type.
 #[derive(Clone, Copy)]
 enum Prefix {
-    /// The names begin with `Core::` or `World::`, as in the reference system.
+    /// The name begins with `Core::` or `World::`, as in the reference system.
     Reference,
-    /// The names begin with `Rpi::` and this word.
+    /// The names begin with `Rpi::`, followed by this word.
     Rpi(&'static str),
 }
 
-/// Primitives of one family by value type, looked up on first use.
+/// For each value type, the primitive of one family, looked up on first use; `None` if there is no primitive for the
+/// type.
 type FamilyCache = [OnceLock<Option<PrimId>>; Scalar::ALL.len()];
 
-/// Returns the primitive of an operation for a value type, if it exists. Lookups are cached and done on demand, because
-/// a program needs few of them.
+/// Returns the primitive of a family for a value type; `None` if there is none. The look-up is done on demand and its
+/// result is stored, because a program needs few primitives.
 pub(super) fn member(family: PrimitiveFamily, scalar: Scalar) -> Option<PrimId> {
     static MEMBERS: [FamilyCache; NAMES.len()] = [const { [const { OnceLock::new() }; _] }; _];
     let row = NAMES.iter().position(|row| row.0 == family)?;

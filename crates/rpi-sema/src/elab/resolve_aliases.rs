@@ -13,7 +13,7 @@ use rpi_image::Value;
 use rpi_net::{Activation, FragmentId, Input, PortRef, Restart, Termination};
 use smallvec::{SmallVec, smallvec};
 
-/// Replaces all aliases by the signals to which they are bound.
+/// Replaces all placeholder ports in the net by the signals for which they stand.
 pub(super) fn resolve_aliases(elab: &mut Elaborator<'_>) {
     block::set_node_name(elab, "constant");
     for alias in 0..elab.aliases.signals.len() {
@@ -42,8 +42,9 @@ pub(super) fn resolve_aliases(elab: &mut Elaborator<'_>) {
     resolve_coverage_points(elab);
 }
 
-/// Follows a chain of aliases to its end. Aliases bound to each other are a dependency cycle without any node. A
-/// copy node is inserted so that the net shows the cycle.
+/// Finds the signal for which a placeholder port stands, through a chain of placeholders. Placeholders that stand for
+/// one another are a dependency cycle without any net node; a node that copies its input is added so that the net
+/// contains the cycle.
 fn resolve_alias(elab: &mut Elaborator<'_>, alias: usize) {
     let mut chain: SmallVec<[usize; 4]> = smallvec![alias];
     elab.aliases.in_progress[alias] = true;
@@ -73,7 +74,7 @@ fn resolve_alias(elab: &mut Elaborator<'_>, alias: usize) {
     }
 }
 
-/// Adds a copy node that reads itself through the aliases.
+/// Adds a net node that copies a placeholder port standing for the node's own output, and returns the output.
 fn dependency_cycle_node(elab: &mut Elaborator<'_>, alias: usize, port: PortRef) -> Signal {
     let scalar = elab.aliases.types[alias];
     match nodes::add_copy(elab, port, scalar, FragmentId::ROOT, Span::NONE) {
@@ -84,7 +85,7 @@ fn dependency_cycle_node(elab: &mut Elaborator<'_>, alias: usize, port: PortRef)
     }
 }
 
-/// Returns a neutral value for a flow that is never defined, which has been reported.
+/// Returns a neutral value for a flow that is never defined. The missing definition has been reported.
 fn undefined_value(elab: &mut Elaborator<'_>, alias: usize) -> Signal {
     Signal::Const(Value::neutral(elab.aliases.types[alias].into()))
 }
@@ -102,7 +103,7 @@ fn resolve_node(elab: &mut Elaborator<'_>, node: usize) {
     }
 }
 
-/// Returns the input of a net node that replaces an alias; `None` if the port is not an alias.
+/// Returns the input of a net node that replaces a placeholder port; `None` if the port is not a placeholder.
 fn resolved_input(
     elab: &mut Elaborator<'_>,
     port: PortRef,

@@ -20,19 +20,20 @@ use rpi_image::{Scalar, Value};
 use rpi_net::prim;
 use rpi_net::{FragmentId, PortRef, Restart};
 
-/// Key of the fragment that holds the operations of a clock: the parent fragment, the signal of the clock condition and
-/// its value.
+/// Key of the fragment with the operations that run when a clock ticks: the parent fragment, the signal of the clock
+/// condition, and its value when the clock ticks.
 pub(super) type ClockKey = (FragmentId, ConditionSignal, u32);
 
-/// Signal whose value decides whether a clock ticks.
+/// Signal whose value decides in which cycles a clock ticks.
 #[derive(Clone, Copy, PartialEq, Eq, Hash, Debug)]
 pub(super) enum ConditionSignal {
     Flow(PortRef),
-    /// Constant clock condition: a Boolean as 0 or 1, or the index of an enum's value.
+    /// Clock condition that is constant: a Boolean as 0 or 1, or the index of an enum's value.
     Constant(i64),
 }
 
-/// Positions in the net at which the leaves of an expression are computed.
+/// Positions in the net at which the leaves (scalar parts) of an expression are computed: one for all leaves, or one
+/// for each.
 pub(super) enum LeafPositions {
     Uniform(Position),
     PerLeaf(Vec<Position>),
@@ -47,7 +48,8 @@ impl LeafPositions {
     }
 }
 
-/// Returns the position where an expression is evaluated: in the fragment of its clock.
+/// Returns the position at which an expression is evaluated. In a unit with sampled flows, this is in the fragment of
+/// the expression's clock.
 pub(super) fn position_of<'u>(
     elab: &mut Elaborator<'u>,
     scope: &mut Scope<'u>,
@@ -60,7 +62,8 @@ pub(super) fn position_of<'u>(
     }
 }
 
-/// Returns the positions of the leaves of an elementwise expression. `at` is the position of its first leaf.
+/// Returns the positions at which the leaves (scalar parts) of an elementwise expression are computed. `at` is the
+/// position of its first leaf.
 pub(super) fn leaf_places<'u>(
     elab: &mut Elaborator<'u>,
     scope: &mut Scope<'u>,
@@ -77,8 +80,8 @@ pub(super) fn leaf_places<'u>(
     }
 }
 
-/// Returns where in the net an expression on a clock is evaluated: in the fragment that runs only when the clock ticks.
-/// The guard of `at` is kept if that fragment lies inside the one of `at`.
+/// Returns the position for an expression on a clock, in the fragment that runs only when the clock ticks. The guard of
+/// `at` still applies if that fragment is inside of the fragment of `at`.
 pub(super) fn clock_position<'u>(
     elab: &mut Elaborator<'u>,
     scope: &mut Scope<'u>,
@@ -100,14 +103,15 @@ pub(super) fn facts_of<'u>(elab: &Elaborator<'u>, scope: &Scope<'u>) -> Option<&
     scope.id.and_then(|unit| facts.get(unit.0 as usize))
 }
 
-/// Returns the clocks and presences of a unit if it has sampled flows; `None` for other units and for constants.
+/// Returns the results of the clock and presence analysis if the unit has sampled flows; `None` for other units and for
+/// constants.
 pub(super) fn clocked_facts<'u>(elab: &Elaborator<'u>, scope: &Scope<'u>) -> Option<&'u Facts> {
     let facts = facts_of(elab, scope).filter(|facts| facts.clocks.has_samplings());
     facts.filter(|_| elab.mode != ElabMode::Constant)
 }
 
-/// Returns the fragment that holds the operations of a clock, in the block that is being elaborated; creates it if
-/// necessary.
+/// Returns the fragment with the operations that run when a clock ticks, in the block that is being elaborated. The
+/// fragment is added on first use.
 pub(super) fn clock_fragment<'u>(
     elab: &mut Elaborator<'u>,
     scope: &mut Scope<'u>,
@@ -162,8 +166,8 @@ pub(super) fn sampling_fragment<'u>(
     fragment
 }
 
-/// Returns the first port under which a flow was used as a clock condition, which may be an alias from before its
-/// equation was reached. Otherwise one clock would get two fragments.
+/// Returns the first port by which a flow was used as a clock condition. It may be a placeholder from before the
+/// equation of the flow was elaborated. Without it, one clock would get two fragments.
 fn first_alias(elab: &Elaborator<'_>, port: PortRef) -> PortRef {
     use crate::elab::signal::alias_of;
     let mut name = port;
@@ -175,7 +179,8 @@ fn first_alias(elab: &Elaborator<'_>, port: PortRef) -> PortRef {
     name
 }
 
-/// Returns the span and name of a clock condition in the source.
+/// Returns the location and name of a clock condition in the source. A condition inside of a call has the location of
+/// the call.
 fn condition_source<'u>(scope: &Scope<'u>, by: ClockCondition) -> (Span, String) {
     match by {
         ClockCondition::Flow(flow) => {
@@ -188,7 +193,8 @@ fn condition_source<'u>(scope: &Scope<'u>, by: ClockCondition) -> (Span, String)
     }
 }
 
-/// Returns the signal of a clock condition; an alias for a condition inside a call.
+/// Returns the signal of a clock condition. For a condition inside of a call, it is a placeholder port, which is
+/// connected when the call is inlined.
 fn condition_signal<'u>(
     elab: &mut Elaborator<'u>,
     scope: &mut Scope<'u>,
@@ -215,7 +221,7 @@ fn condition_signal<'u>(
     }
 }
 
-/// Returns the machine type of a clock condition.
+/// Returns the machine type of a clock condition, which is Boolean or an integer.
 fn condition_scalar<'u>(elab: &Elaborator<'u>, scope: &Scope<'u>, by: ClockCondition) -> Scalar {
     let (mut unit, mut by) = (scope.unit, by);
     loop {
@@ -236,7 +242,7 @@ fn condition_scalar<'u>(elab: &Elaborator<'u>, scope: &Scope<'u>, by: ClockCondi
     }
 }
 
-/// Returns the signals of the clock conditions of a unit's outputs, for its caller.
+/// Returns the signals of the clock conditions of a unit's outputs, in the order in which callers refer to them.
 pub(super) fn exposed_conditions<'u>(
     elab: &mut Elaborator<'u>,
     scope: &mut Scope<'u>,
@@ -251,7 +257,7 @@ pub(super) fn exposed_conditions<'u>(
         .collect()
 }
 
-/// Binds the aliases for the clock conditions inside a call to their signals.
+/// Connects the placeholder ports for the clock conditions inside of a call to their signals.
 pub(super) fn bind_exposed<'u>(
     elab: &mut Elaborator<'u>,
     scope: &mut Scope<'u>,
@@ -266,7 +272,7 @@ pub(super) fn bind_exposed<'u>(
     }
 }
 
-/// Returns the Boolean that is true when a sampling ticks: its clock condition has the required value.
+/// Returns the Boolean signal that is true when a sampling ticks, because its clock condition has the required value.
 pub(super) fn tick_condition<'u>(
     elab: &mut Elaborator<'u>,
     scope: &mut Scope<'u>,
@@ -287,7 +293,7 @@ pub(super) fn tick_condition<'u>(
     }
 }
 
-/// Elaborates `merge c (...)` as a selection by the clock condition. Cases that are not selected are absent.
+/// Elaborates `merge c (...)` as a selection of one case by the value of `c`. The other cases are absent in that cycle.
 pub(super) fn merge_expr<'u>(
     elab: &mut Elaborator<'u>,
     scope: &mut Scope<'u>,
@@ -342,7 +348,7 @@ pub(super) fn merge_expr<'u>(
     chosen.into()
 }
 
-/// Elaborates `current x`: x where its clock ticks, else its value at the last tick.
+/// Elaborates `current x`: the value of `x` in cycles in which its clock ticks, else its value at the last tick.
 pub(super) fn elab_current<'u>(
     elab: &mut Elaborator<'u>,
     scope: &mut Scope<'u>,
@@ -386,8 +392,8 @@ pub(super) fn elab_current<'u>(
     leaves.into()
 }
 
-/// Returns the signals of an operand of a strict operator or call: absent where the clock of the operator ticks and
-/// that of the operand does not.
+/// Returns the signals of an operand of a strict operator or call. The operand is absent in cycles in which the clock
+/// of the operator ticks and its own clock does not.
 pub(super) fn operand_wire<'u>(
     elab: &mut Elaborator<'u>,
     scope: &mut Scope<'u>,
@@ -401,7 +407,8 @@ pub(super) fn operand_wire<'u>(
     read_at(elab, scope, operand, clock, at)
 }
 
-/// Returns the signals of an operand of an elementwise operator, each leaf on the clock of the result.
+/// Returns the signals of an operand of an elementwise operator, expanded to `count` leaves (scalar parts), each on the
+/// clock of the result.
 pub(super) fn read_leaves<'u>(
     elab: &mut Elaborator<'u>,
     scope: &mut Scope<'u>,
@@ -420,7 +427,8 @@ pub(super) fn read_leaves<'u>(
     outside_flows::on_reader_clock(elab, scope, (&wire, &scalars), pair, expr.span)
 }
 
-/// Returns the signals of a value for a reader on one clock.
+/// Returns the signals of the expression `id` for another expression on the given clock. They are absent in cycles in
+/// which that clock ticks and the clock of `id` does not.
 pub(super) fn read_at<'u>(
     elab: &mut Elaborator<'u>,
     scope: &mut Scope<'u>,

@@ -22,7 +22,7 @@ use rpi_net::prim;
 use rpi_prims::PrimId;
 use std::ops::Range;
 
-/// Boolean operators whose result one operand can decide.
+/// Boolean operators whose result the left operand can decide without the right one.
 #[derive(Clone, Copy, PartialEq, Eq)]
 enum ShortCircuitOp {
     And,
@@ -41,27 +41,29 @@ impl ShortCircuitOp {
         .find_map(|(one, logic)| (one == prim).then_some(logic))
     }
 
-    /// Returns the value of the left operand that decides the result.
+    /// Returns the value of the left operand with which it decides the result: `true` for `or`, `false` for `and` and
+    /// `=>`.
     fn deciding_value(self) -> bool {
         self == ShortCircuitOp::Or
     }
 
-    /// Returns the result if the left operand decides it.
+    /// Returns the result if the left operand decides it: `false` for `and`, `true` for `or` and `=>`.
     fn const_condition(self) -> bool {
         self != ShortCircuitOp::And
     }
 }
 
-/// Operand that is not always needed and contains state, which runs in all cycles.
+/// Operand that is not needed in every cycle and contains state. The state runs in all cycles nevertheless.
 #[derive(Clone, Debug)]
 pub struct LazyOperand {
     /// Span of the operand.
     pub span: Span,
-    /// Range of the numbers of the nodes that compute the operand.
+    /// Range of the indices of the net nodes that compute the operand.
     pub nodes: Range<u32>,
 }
 
-/// Elaborates an operand that is not always needed, recording it if it contains state.
+/// Elaborates an operand that is not needed in every cycle, by calling `wire`, and returns its signals. The operand is
+/// recorded if it contains state.
 pub(super) fn lazy_operand<'u>(
     elab: &mut Elaborator<'u>,
     scope: &mut Scope<'u>,
@@ -80,7 +82,8 @@ pub(super) fn lazy_operand<'u>(
     wire
 }
 
-/// Elaborates `x and y`, `x or y` and `x => y` where y can fault or has state; none for all other primitives.
+/// Elaborates `x and y`, `x or y` or `x => y` if `y` can fault or has state, so that `y` runs only if `x` does not
+/// decide the result. `None` for all other primitives and operands.
 pub(super) fn short_circuit<'u>(
     elab: &mut Elaborator<'u>,
     scope: &mut Scope<'u>,
@@ -128,14 +131,16 @@ pub(super) fn short_circuit<'u>(
     )))
 }
 
-/// Returns whether an operand that is never needed can be left out.
+/// Returns whether an operand that is never needed, because a constant left operand decides the result, can be left out
+/// of the net.
 fn can_drop_operand<'u>(elab: &mut Elaborator<'u>, scope: &Scope<'u>, operand: ExprId) -> bool {
     elab.mode == ElabMode::Constant
         || !guards::contains_state(elab, scope, operand)
             && expr::drops_dead_code(elab, reads_flows(scope.unit, operand))
 }
 
-/// Returns the condition that the left operand does not decide the result. An absent operand does not decide.
+/// Returns the signal that is true if the left operand `left` does not decide the result. An absent operand does not
+/// decide it.
 fn undecided_condition(
     elab: &mut Elaborator<'_>,
     logic: ShortCircuitOp,
@@ -166,7 +171,7 @@ fn undecided_condition(
     }
 }
 
-/// Elaborates `x ?? y`.
+/// Elaborates `x ?? y`, the value of `x` where it is present, else that of `y`.
 pub(super) fn coalesce_operands<'u>(
     elab: &mut Elaborator<'u>,
     scope: &mut Scope<'u>,
@@ -199,8 +204,9 @@ pub(super) fn coalesce_operands<'u>(
         .collect()
 }
 
-/// Elaborates the right operand of `??`, or a part of it. `absent` says for each leaf whether the left operand is
-/// absent. Each part of a composite built in place is guarded by the condition of its own leaves.
+/// Elaborates the right operand of `??`, or a part of it. `absent` is, for each leaf (scalar part), the condition that
+/// the left operand is absent. Operations that can fault run only where their value is needed; for a struct or array
+/// written in place, this is decided for each part.
 fn where_absent<'u>(
     elab: &mut Elaborator<'u>,
     scope: &mut Scope<'u>,
@@ -236,7 +242,7 @@ fn where_absent<'u>(
     })
 }
 
-/// Returns the disjunction of conditions that are never absent.
+/// Returns the disjunction of these conditions, none of which is ever absent.
 fn any_of(elab: &mut Elaborator<'_>, conditions: &[Signal], at: Position, span: Span) -> Signal {
     let mut any = Signal::Const(Value::bool(false));
     for (k, condition) in conditions.iter().enumerate() {
@@ -277,7 +283,7 @@ fn is_absent(
         ),
     }
 }
-/// Elaborates one leaf of `x ?? y`.
+/// Elaborates one leaf (scalar part) of `x ?? y`. `first` and `second` are the signals of the leaf in `x` and `y`.
 fn coalesce_leaf(
     elab: &mut Elaborator<'_>,
     first: Signal,

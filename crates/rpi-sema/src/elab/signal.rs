@@ -7,21 +7,21 @@ use smallvec::SmallVec;
 use std::ops::Deref;
 use std::rc::Rc;
 
-/// Source of the value of one leaf (scalar part) of a flow in the net.
+/// Source of the value of one leaf (scalar part) of a flow or expression in the net.
 #[derive(Clone, PartialEq, Debug)]
 pub(super) enum Signal {
-    /// Constant or text, the same in every cycle.
+    /// Constant value, the same in every cycle.
     Const(Leaf),
-    /// Out-port of a node, or an alias that stands for a signal not known yet.
+    /// Out-port of a net node, or a placeholder port that stands for a signal not known yet.
     Port(PortRef),
-    /// Element of an array out-port that has not been extracted yet.
+    /// Element of an array out-port, with its index. The element has not been extracted by a net node.
     Element(PortRef, u32),
     /// Value that is absent in every cycle.
     Absent,
 }
 
-/// Signals of all leaves (scalar parts) of a value. A single one, the most frequent case, is stored inline; several are
-/// shared.
+/// Signals of all leaves (scalar parts) of a value. A single signal, the most frequent case, is stored inline; several
+/// signals are shared.
 #[derive(Clone, PartialEq, Debug)]
 pub(super) enum Wire {
     One(Signal),
@@ -64,23 +64,23 @@ impl From<&[Signal]> for Wire {
     }
 }
 
-/// Type and signals of each input of a primitive; `None` for an unconnected one.
+/// For each input of a primitive, its type and the signals of its value; `None` for an input that is not connected.
 pub(super) type PrimInputs = SmallVec<[Option<(Type, Wire)>; 2]>;
 
-/// Returns the signals of a value with one leaf.
+/// Returns the signals of a value with one leaf (scalar part).
 pub(super) fn single_wire(signal: Signal) -> Wire {
     Wire::One(signal)
 }
 
-/// Returns the signals of a value without leaves.
+/// Returns the signals of a value without leaves (scalar parts), also used in place of a value after an error.
 pub(super) fn empty_wire() -> Wire {
     Wire::Many(Rc::from([]))
 }
 
-/// Bit in a node number that marks an alias.
+/// Bit in the number of a net node that marks a placeholder port, which belongs to no node.
 const ALIAS: u32 = 1 << 31;
 
-/// Returns the port that represents an alias until it is resolved.
+/// Returns the placeholder port with this index, which stands for a signal until the signal is known.
 pub(super) fn resolve_alias(index: usize) -> PortRef {
     PortRef {
         node: NodeId(ALIAS | u32::try_from(index).unwrap_or(u32::MAX)),
@@ -88,7 +88,7 @@ pub(super) fn resolve_alias(index: usize) -> PortRef {
     }
 }
 
-/// Returns the index of the alias that a port represents; none for a port of a node.
+/// Returns the index of a placeholder port; `None` for a port of a net node.
 pub(super) fn alias_of(port: PortRef) -> Option<usize> {
     (port.node.0 & ALIAS != 0).then_some((port.node.0 & !ALIAS) as usize)
 }

@@ -5,22 +5,24 @@ use crate::typed::Unit;
 use rpi_diag::{Code, Diagnostic, Span};
 use std::cell::Cell;
 
-/// Nodes allowed for every program, in addition to what its text allows.
+/// Number of net nodes that every program may have, in addition to those that the length of its text allows.
 const BASE_BUDGET: usize = 240_000;
 
-/// Nodes allowed for each byte of text.
+/// Number of further net nodes that a program may have for each byte of its text.
 const NODES_PER_BYTE: usize = 2;
 
-/// Nodes allowed for each step of a task, whose command may have a net of its own for its arguments.
+/// Number of further net nodes for each step of a task. The command of a step may have a net of its own for its
+/// arguments.
 const NODES_PER_STEP: usize = 2_000;
 
-/// Greatest number of steps of all tasks of a program together. A task is expanded wherever another task runs it.
+/// Maximum number of steps of all tasks of a program together, after expansion. A task is expanded wherever another
+/// task runs it.
 pub const MAX_STEPS: usize = 20_000;
 
-/// Greatest depth of tasks that run one another.
+/// Maximum depth of tasks that run one another.
 pub const MAX_TASK_DEPTH: usize = 400;
 
-/// Remaining number of net nodes that a program may have, over all its nets.
+/// Number of net nodes that a program may still have, over all its nets.
 #[derive(Debug)]
 pub struct SizeBudget {
     remaining: Cell<usize>,
@@ -40,19 +42,20 @@ impl SizeBudget {
         }
     }
 
-    /// Returns whether any nodes remain.
+    /// Returns whether any nodes remain in the budget.
     #[must_use]
     pub fn has_remaining(&self) -> bool {
         self.remaining.get() > 0
     }
 
-    /// Subtracts the nodes of a net from the budget.
+    /// Subtracts the number of nodes of a net from the budget.
     pub fn extract_element(&self, nodes: usize) {
         self.remaining
             .set(self.remaining.get().saturating_sub(nodes));
     }
 
-    /// Returns an error for the first net that exceeds the budget; none for later ones.
+    /// Returns the error for the first net that exceeds the budget; `None` for later nets. `span` is the location of
+    /// the declaration of the net.
     #[must_use]
     pub fn report_exhausted(&self, span: Span) -> Option<Diagnostic> {
         let message = "program is too large after all calls are expanded";
@@ -64,7 +67,7 @@ impl SizeBudget {
     }
 }
 
-/// Error for a task with which the expanded tasks have more than [`MAX_STEPS`] steps, or in which more than
+/// Returns the error for a task with which the expanded tasks have more than [`MAX_STEPS`] steps, or in which more than
 /// [`MAX_TASK_DEPTH`] tasks run one another.
 #[must_use]
 pub fn task_too_large(task: &Unit) -> Diagnostic {

@@ -13,19 +13,20 @@ use rpi_diag::Span;
 use rpi_image::Value;
 use rpi_net::{Input, prim};
 
-/// Context of a check that a value lies in the subrange of its declared type.
+/// Circumstances of a check that a value is in the subrange of its declared type: position in the net and locations for
+/// the message.
 #[derive(Clone, Copy)]
 struct SubrangeCheck {
     at: Position,
-    /// Span of the value, for the error message.
+    /// Location of the value, for the error message.
     span: Span,
-    /// Span of the declaration of the type.
+    /// Location of the declaration with the subrange; `None` if it is not shown.
     declaration: Option<Span>,
-    /// Whether the value is an argument from outside the unit.
+    /// Whether the value is an argument or input from outside of the unit.
     is_input: bool,
 }
 
-/// Returns the leaves of an equation's value, each checked against the subrange of its target.
+/// Returns the signals of an equation's value, each checked against the subrange of the flow that it defines.
 pub(super) fn check_targets<'u>(
     elab: &mut Elaborator<'u>,
     scope: &mut Scope<'u>,
@@ -63,7 +64,8 @@ pub(super) fn check_targets<'u>(
     signals.into()
 }
 
-/// Checks the inputs of a called unit against their subranges. An error is reported at the caller's argument.
+/// Checks the inputs of a called unit against their subranges. `spans` are the locations of the caller's arguments, at
+/// which an error is reported.
 pub(super) fn check_inputs<'u>(
     elab: &mut Elaborator<'u>,
     scope: &mut Scope<'u>,
@@ -83,7 +85,7 @@ pub(super) fn check_inputs<'u>(
     }
 }
 
-/// Checks an input that is set from outside the program against its subrange.
+/// Checks an input that is set from outside of the program against its subrange.
 pub(super) fn check_external_input<'u>(
     elab: &mut Elaborator<'u>,
     scope: &mut Scope<'u>,
@@ -122,7 +124,8 @@ fn check_input<'u>(
     *scope.state(flow) = FlowState::Done(signals.into());
 }
 
-/// Checks the value of a field of a struct literal against its subrange; `of` is the struct type and `field` the index.
+/// Returns the signals of the value of a field in a struct literal, checked against the subrange of the field. `of` is
+/// the struct type, and `field` is the index of the field.
 pub(super) fn check_field(
     elab: &mut Elaborator<'_>,
     wire: Wire,
@@ -142,7 +145,8 @@ pub(super) fn check_field(
     }
 }
 
-/// Checks leaves of a value against their subranges, if it comes from outside or has new parts of structs.
+/// Returns the signals of a value of the type `ty`, of which the leaves (scalar parts) in the range `leaves` are
+/// checked against their subranges. It is used for values from outside of the program and for new parts of structs.
 pub(super) fn check_leaves(
     elab: &mut Elaborator<'_>,
     wire: Wire,
@@ -179,7 +183,8 @@ fn elab_check(
     }
 }
 
-/// Returns the output of a subrange check of a signal; the signal itself if it is known to lie in the range.
+/// Returns the output of a net node that checks whether a signal is in a subrange; the signal itself if it is known to
+/// be in the range. Reports a constant that is outside.
 fn check_signal(
     elab: &mut Elaborator<'_>,
     signal: &Signal,
@@ -209,7 +214,7 @@ fn check_signal(
     nodes::add_simple(elab, prim!("Rpi::IntWithin"), &inputs, how.at, how.span)
 }
 
-/// Returns whether a signal is the output of a check that implies this range.
+/// Returns whether a signal is the output of a check of this subrange or of a narrower one.
 fn is_checked(elab: &Elaborator<'_>, signal: &Signal, range: Subrange) -> bool {
     let Signal::Port(port) = signal else {
         return false;
@@ -236,7 +241,8 @@ fn report_out_of_subrange(
     range: Subrange,
     how: SubrangeCheck,
 ) {
-    let diagnostic = outside_subrange(value, range).primary(how.span, "in every cycle");
+    let diagnostic =
+        outside_subrange(value, range).primary(how.span, format!("this is {value} in every cycle"));
     if elab.mode == ElabMode::Constant {
         elab.fail(NotConstantError::Fault(how.span, diagnostic.message));
         return;
@@ -247,7 +253,7 @@ fn report_out_of_subrange(
     });
 }
 
-/// Returns where in the net a leaf of a flow is computed: in the fragment of its clock.
+/// Returns the position at which a leaf (scalar part) of a flow is computed, in the fragment of its clock.
 fn leaf_position<'u>(
     elab: &mut Elaborator<'u>,
     scope: &mut Scope<'u>,
@@ -265,7 +271,8 @@ fn leaf_position<'u>(
     }
 }
 
-/// Checks the fields that `x with .n = y` replaces.
+/// Returns the signals of an update `x with .n = y`, with the replaced fields checked against their subranges. `wire`
+/// has the signals of the result, in which the new value starts at leaf `offset`.
 pub(super) fn check_replaced<'u>(
     elab: &mut Elaborator<'u>,
     scope: &Scope<'u>,

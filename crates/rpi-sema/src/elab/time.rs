@@ -14,14 +14,14 @@ use rpi_image::Scalar;
 use rpi_net::prim;
 use rpi_prims::PrimId;
 
-/// Primitives that convert between seconds and ticks.
+/// Primitives that convert durations between seconds and ticks.
 const CONVERSIONS: [PrimId; 3] = [
     prim!("Rpi::WholeTicks"),
     prim!("Rpi::TicksFromSeconds"),
     prim!("Rpi::SecondsFromTicks"),
 ];
 
-/// Returns the signals of a constant, leaf by leaf, with durations converted to ticks.
+/// Returns the signals of a constant, leaf by leaf (scalar part). Durations are converted from seconds to ticks.
 pub(super) fn constants(
     elab: &mut Elaborator<'_>,
     leaves: &[Leaf],
@@ -51,8 +51,9 @@ fn fixed_ticks(elab: &mut Elaborator<'_>, seconds: Leaf, at: Position, span: Spa
     )
 }
 
-/// Evaluates a primitive with durations in a constant. A conversion is the identity there, and other operations on
-/// ticks have no value; `None` for primitives without durations.
+/// Evaluates a primitive that works on durations, in a constant. Durations are in seconds there, so that a conversion
+/// to or from ticks changes nothing, and other operations on ticks have no value. Returns `None` for primitives without
+/// durations.
 pub(super) fn constant_duration<'u>(
     elab: &mut Elaborator<'u>,
     scope: &mut Scope<'u>,
@@ -71,7 +72,8 @@ pub(super) fn constant_duration<'u>(
     Some(elab.fail(NotConstantError::RunTime(span)))
 }
 
-/// Converts an external leaf to the unit of the program: durations from seconds to ticks.
+/// Converts a leaf (scalar part) with a value from outside of the program: a duration from seconds to ticks. Other
+/// values remain unchanged.
 pub(super) fn convert_to_ticks(
     elab: &mut Elaborator<'_>,
     signal: Signal,
@@ -87,7 +89,8 @@ pub(super) fn convert_to_ticks(
     }
 }
 
-/// Converts a leaf of the program to the unit used outside: durations from ticks to seconds.
+/// Converts a leaf (scalar part) with a value for the outside of the program: a duration from ticks to seconds. Other
+/// values remain unchanged.
 pub(super) fn convert_to_seconds(
     elab: &mut Elaborator<'_>,
     signal: &Signal,
@@ -105,7 +108,8 @@ pub(super) fn convert_to_seconds(
     }
 }
 
-/// Returns the machine type of a leaf outside the program.
+/// Returns the machine type that a leaf (scalar part) has outside of the program, where a duration is a real in
+/// seconds.
 pub(super) fn external_scalar(ty: &Ty) -> Scalar {
     crate::ty::machine_types::external_type(ty).1
 }

@@ -2,22 +2,22 @@
 
 use std::rc::Rc;
 
-/// For each leaf of a value, whether it can be absent. Most values are uniform.
+/// For each leaf (scalar part) of a value, whether it can be absent. For most values, one answer holds for all leaves.
 #[derive(Clone, PartialEq, Eq, Debug)]
 pub enum Absence {
-    /// All leaves can be absent, or none can.
+    /// Either all leaves can be absent (`true`), or none can (`false`).
     Uniform(bool),
-    /// One flag for each leaf; not all are equal.
+    /// For each leaf, whether it can be absent. The entries are not all equal.
     PerLeaf(Rc<[bool]>),
 }
 
 impl Absence {
-    /// Present in all cycles.
+    /// Absence of a value whose leaves are present in all cycles.
     pub const NEVER: Absence = Absence::Uniform(false);
-    /// Possibly absent in all leaves.
+    /// Absence of a value whose leaves can all be absent.
     pub const MAYBE: Absence = Absence::Uniform(true);
 
-    /// Returns whether any leaf can be absent.
+    /// Returns whether at least one leaf (scalar part) can be absent.
     #[must_use]
     pub fn any(&self) -> bool {
         match self {
@@ -26,7 +26,7 @@ impl Absence {
         }
     }
 
-    /// Returns whether leaf `k` can be absent.
+    /// Returns whether the leaf with index `k` can be absent.
     #[must_use]
     pub fn leaf(&self, k: usize) -> bool {
         match self {
@@ -35,7 +35,7 @@ impl Absence {
         }
     }
 
-    /// Returns the absence of `count` leaves starting at leaf `at`.
+    /// Returns which of the `count` leaves from the leaf with index `at` on can be absent.
     #[must_use]
     pub fn part(&self, at: usize, count: usize) -> Absence {
         match self {
@@ -44,7 +44,7 @@ impl Absence {
         }
     }
 
-    /// Creates the absence of a value from the flags of successive leaves.
+    /// Creates the absence of a value from one answer for each of its leaves, in order.
     #[must_use]
     pub fn from_leaves(leaves: impl Iterator<Item = bool>) -> Absence {
         let leaves: Vec<bool> = leaves.collect();
@@ -57,7 +57,8 @@ impl Absence {
         }
     }
 
-    /// Combines two absences of `count` leaves each, leaf by leaf.
+    /// Returns the absence that the function `combine` gives for the two answers for each leaf. `count` is the number
+    /// of leaves.
     #[must_use]
     pub fn combine(
         &self,
@@ -71,7 +72,8 @@ impl Absence {
         }
     }
 
-    /// Returns this absence, with the leaves for which `absent` holds also possibly absent.
+    /// Returns the absence of a value of `count` leaves in which further leaves can be absent: those for which `absent`
+    /// returns `true`.
     #[must_use]
     pub fn or(&self, count: usize, absent: impl Fn(usize) -> bool) -> Absence {
         match self {
@@ -80,7 +82,8 @@ impl Absence {
         }
     }
 
-    /// Returns this absence with `of_part` leaves from `at` on replaced by those of `part`.
+    /// Returns the absence of a value of `count` leaves in which the `of_part` leaves from `at` on have the absence
+    /// `part`.
     #[must_use]
     pub fn replaced(&self, count: usize, at: usize, part: &Absence, of_part: usize) -> Absence {
         match (self, part) {

@@ -83,7 +83,8 @@ impl PresenceInference<'_> {
         }
     }
 
-    /// Absence of a conditional: where its condition may be absent, and where a branch is.
+    /// Returns which leaves (scalar parts) of `if c then yes else no`, the expression `id`, can be absent: those for
+    /// which the condition or a branch can be absent.
     fn choice(&self, condition: ExprId, [yes, no]: [Absence; 2], id: ExprId) -> Absence {
         let count = self.count(id);
         let branches = yes.combine(&no, count, |yes, no| yes || no);
@@ -125,7 +126,7 @@ impl PresenceInference<'_> {
         crate::facts::exclusive_fragments::is_always_present(self.unit, a, b, total)
     }
 
-    /// Returns for each output of a primitive whether it can be absent.
+    /// Returns for each output of a primitive whether it can be absent. `id` is the expression of the call.
     pub(super) fn add_prim(&self, id: ExprId, call: &PrimCall) -> Vec<bool> {
         let desc = call.prim.desc();
         let connected: Vec<bool> = call

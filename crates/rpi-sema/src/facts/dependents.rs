@@ -4,24 +4,26 @@
 use crate::typed::TypedKind;
 use crate::typed::{BlockId, Equation, ExprId, FlowId, SharedFlow, Unit};
 
-/// Where the value of a flow comes from, such as an equation.
+/// Source of the value of a flow: an equation, or the states of an automaton.
 #[derive(Clone, Copy)]
 pub(crate) enum Definition<'u> {
-    /// Definition by an equation, with the block of the equation.
+    /// The flow is defined by an equation, which is in this block.
     Equation(BlockId, &'u Equation),
-    /// Definition by several states of an automaton.
+    /// The flow is defined by several states of an automaton.
     Shared(&'u SharedFlow),
 }
 
-/// Readers of the expressions and flows of a unit, for the iteration of analyses.
+/// Dependencies of a unit from expressions and flows to the expressions and definitions that read them, for the
+/// fixed-point iteration of analyses.
 pub(crate) struct Dependents<'u> {
     pub(crate) definitions: Vec<Definition<'u>>,
-    /// Block of each expression.
+    /// Block of each expression, indexed by expression.
     pub(crate) blocks: Vec<BlockId>,
     parents: AdjacencyLists,
     flow_readers: AdjacencyLists,
-    /// Definitions whose value is an expression (one list for each expression), then those that read a flow (one list
-    /// for each flow).
+    /// Indices of definitions in two groups of lists: first for each expression, the definitions that have it as their
+    /// value; then for each flow, the definitions of flows outside of an automaton to which it gives a value in a
+    /// state.
     definitions_by_value: AdjacencyLists,
     exprs: usize,
 }
@@ -52,22 +54,23 @@ impl<'u> Dependents<'u> {
         }
     }
 
-    /// Returns the expressions that have this expression as an operand.
+    /// Returns the indices of the expressions that have this expression as an operand.
     pub(crate) fn parents(&self, id: ExprId) -> &[u32] {
         self.parents.list(id.0 as usize)
     }
 
-    /// Returns the expressions that read a flow.
+    /// Returns the indices of the expressions that read a flow.
     pub(crate) fn flow_readers(&self, flow: FlowId) -> &[u32] {
         self.flow_readers.list(flow.0 as usize)
     }
 
-    /// Returns the definitions whose value is this expression.
+    /// Returns the indices of the definitions whose value is this expression.
     pub(crate) fn definitions_of_expr(&self, id: ExprId) -> &[u32] {
         self.definitions_by_value.list(id.0 as usize)
     }
 
-    /// Returns the definitions of shared flows to which a state's flow contributes.
+    /// Returns the indices of the definitions, by states of an automaton, of the flows to which this flow gives a value
+    /// in a state.
     pub(crate) fn definitions_of_shared(&self, flow: FlowId) -> &[u32] {
         self.definitions_by_value.list(self.exprs + flow.0 as usize)
     }
@@ -105,7 +108,7 @@ fn definition_pairs(definitions: &[Definition<'_>], exprs: usize) -> Vec<(u32, u
     pairs
 }
 
-/// Returns the block of each expression.
+/// Returns the block of each expression of a unit, indexed by expression.
 fn blocks(unit: &Unit) -> Vec<BlockId> {
     let mut blocks = vec![BlockId::ROOT; unit.exprs.len()];
     for (id, block) in (0..).map(BlockId).zip(&unit.blocks) {
@@ -146,14 +149,14 @@ fn checkpoint(unit: &Unit, root: ExprId, block: BlockId, blocks: &mut [BlockId])
     }
 }
 
-/// Lists of indices, one for each vertex of a graph, stored contiguously in one vector.
+/// Lists of indices, one list for each vertex of a graph, stored in one vector.
 struct AdjacencyLists {
     first: Vec<u32>,
     items: Vec<u32>,
 }
 
 impl AdjacencyLists {
-    /// Creates the lists from pairs of list and item. The items of a list keep their order.
+    /// Creates `lists` lists from pairs of the index of a list and an item. The items of a list remain in their order.
     fn new(lists: usize, pairs: &[(u32, u32)]) -> Self {
         let mut first = vec![0; lists + 1];
         for (list, _) in pairs {

@@ -4,8 +4,8 @@ use crate::typed::{BlockId, ExprId, FlowId, Unit};
 use crate::typed::{ElementwiseOp, TypedKind};
 
 /// Returns whether `a ?? b` is present in all cycles because its operands include flows from fragments with opposite
-/// activations, or from all states of an automaton. `total` returns whether a flow is present whenever its block is
-/// active.
+/// activation conditions, or from all states of an automaton. `total` returns whether a flow is present whenever its
+/// block is active.
 pub(super) fn is_always_present(
     unit: &Unit,
     a: ExprId,
@@ -21,7 +21,7 @@ pub(super) fn is_always_present(
     have_opposite_conditions(unit, &blocks) || cover_all_states(unit, &blocks)
 }
 
-/// Collects the flows, or bases of parts, in a chain of `??`.
+/// Appends the flows that a chain of `??` reads to `flows`, including flows of which a part is read.
 fn sources(unit: &Unit, id: ExprId, flows: &mut Vec<FlowId>) {
     match &unit.expr(id).kind {
         TypedKind::Flow(flow) => flows.push(*flow),
@@ -48,8 +48,8 @@ fn have_opposite_conditions(unit: &Unit, blocks: &[BlockId]) -> bool {
         .any(|(flow, holds)| conditions.contains(&(*flow, !holds)))
 }
 
-/// Returns the flow of an expression that is a flow or its negation, and its value if the expression has the value
-/// `holds`.
+/// Returns the index of the flow of an expression that is a flow or the negation of one, and the value of this flow
+/// when the expression has the value `holds`. `None` for other expressions.
 pub(crate) fn literal(unit: &Unit, id: ExprId, holds: bool) -> Option<(u32, bool)> {
     match &unit.expr(id).kind {
         TypedKind::Flow(flow) => Some((flow.0, holds)),

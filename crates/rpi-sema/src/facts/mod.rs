@@ -4,6 +4,7 @@
 //! A pass is a function from units to facts and diagnostics. It must not change the units.
 
 mod absence;
+mod absence_error;
 mod absence_rules;
 pub(crate) mod dependents;
 pub(crate) mod exclusive_fragments;

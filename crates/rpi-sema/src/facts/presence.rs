@@ -10,10 +10,10 @@ use crate::facts::dependents::Dependents;
 use crate::typed::{Activation, ElementwiseOp, TypedKind};
 use crate::typed::{BlockId, ExprId, FlowId, FlowPresence, TargetPlace, Unit};
 use rpi_diag::suppression::{self, Cause, suppress};
-use rpi_diag::{Code, Diagnostic, Fix, Severity, Span};
+use rpi_diag::{Diagnostic, Severity};
 use rpi_image::Presence;
 
-/// Results of the analyses of a unit: clocks, and which values may be absent.
+/// Results of the analyses of a unit: the clocks of its values, and which values may be absent.
 #[derive(Clone, Debug, Default)]
 pub struct Facts {
     exprs: Vec<Absence>,
@@ -23,7 +23,7 @@ pub struct Facts {
 }
 
 impl Facts {
-    /// Returns which leaves of an expression can be absent.
+    /// Returns which leaves (scalar parts) of an expression can be absent.
     #[must_use]
     pub fn absence(&self, id: ExprId) -> Absence {
         self.exprs
@@ -32,7 +32,7 @@ impl Facts {
             .unwrap_or(Absence::NEVER)
     }
 
-    /// Returns which leaves of a flow can be absent.
+    /// Returns which leaves (scalar parts) of a flow can be absent.
     #[must_use]
     pub fn flow_absence(&self, id: FlowId) -> Absence {
         let known = self.flows.get(id.0 as usize);
@@ -40,8 +40,8 @@ impl Facts {
     }
 }
 
-/// Infers which flows may be absent in the units that are `sound` (without type errors). Returns the facts of all
-/// units, and diagnostics.
+/// Infers clocks and absence in the units for which `sound` is true, those without type errors. Returns the results for
+/// all units, by index, and the diagnostics.
 #[must_use]
 pub fn analyse(units: &[Unit], sound: &[bool]) -> (Vec<Facts>, Vec<Diagnostic>) {
     let mut all: Vec<Vec<Diagnostic>> = vec![Vec::new(); units.len()];
@@ -61,7 +61,7 @@ pub fn analyse(units: &[Unit], sound: &[bool]) -> (Vec<Facts>, Vec<Diagnostic>) 
     (facts, diagnostics)
 }
 
-/// Analyses one unit. `facts` must hold the results of its callees.
+/// Returns the results of the analyses of one unit. `facts` must have the results for the units that it calls.
 fn compute_unit_properties(
     units: &[Unit],
     facts: &[Facts],
@@ -91,7 +91,7 @@ fn compute_unit_properties(
     (found, diagnostics)
 }
 
-/// Returns the indices of the units, callees before callers. Recursion is broken at an arbitrary unit.
+/// Returns the indices of the units, each after the units that it calls. A recursion is cut at an arbitrary unit.
 fn callees_first(units: &[Unit]) -> Vec<usize> {
     let mut order = Vec::with_capacity(units.len());
     let mut met = vec![false; units.len()];
@@ -114,7 +114,7 @@ fn callees_first(units: &[Unit]) -> Vec<usize> {
     order
 }
 
-/// Removes diagnostics about absent values that only follow from others, or from mismatches of clocks.
+/// Removes diagnostics about absent values that are consequences of others, or of `mismatches` between clocks.
 fn remove_consequences(absent: &mut Vec<Diagnostic>, mismatches: &[Diagnostic]) {
     let several_clocks = mismatches.iter().map(Diagnostic::span).collect();
     suppress(absent, Cause::ClockMismatch(&several_clocks));
@@ -126,13 +126,13 @@ fn remove_consequences(absent: &mut Vec<Diagnostic>, mismatches: &[Diagnostic]) 
     suppress(absent, Cause::AbsentValues(&values));
 }
 
-/// State of the presence inference for one unit.
+/// State of inferring which values of one unit can be absent.
 pub(super) struct PresenceInference<'u> {
     pub(super) units: &'u [Unit],
     pub(super) facts: &'u [Facts],
     pub(super) unit: &'u Unit,
     pub(super) clocks: &'u Clocks,
-    /// Absence of each expression. Empty until `solve` starts.
+    /// For each expression, which of its leaves can be absent. Empty until `solve` starts.
     pub(super) exprs: Vec<Absence>,
     pub(super) flows: Vec<Absence>,
     pub(super) inactive_blocks: InactiveBlocks<'u>,
@@ -159,7 +159,7 @@ impl<'u> PresenceInference<'u> {
         }
     }
 
-    /// Returns whether anything in the unit can be absent. Most units can skip the inference.
+    /// Returns whether anything in the unit can be absent. For most units, the inference can be skipped.
     fn can_be_absent(&self) -> bool {
         let of_expr = |(id, kind): (ExprId, &TypedKind)| match kind {
             TypedKind::None
@@ -217,7 +217,8 @@ impl<'u> PresenceInference<'u> {
         }
     }
 
-    /// Updates the absence of inferred flows from their definition.
+    /// Updates which leaves of the flows that a definition defines can be absent. Appends the changed flows to
+    /// `changed`.
     fn update_definition(&mut self, definition: &Definition<'_>, changed: &mut Vec<FlowId>) {
         match definition {
             Definition::Equation(block, equation) => {
@@ -278,8 +279,8 @@ impl<'u> PresenceInference<'u> {
         }
     }
 
-    /// Returns the absence of a flow for a reader in a block. A flow of an inner block that may be inactive can be
-    /// absent for a reader outside.
+    /// Returns the absence of a flow for an expression in the block `reader`. A flow of a block that may be inactive
+    /// can be absent outside of the block.
     pub(super) fn flow(&self, flow: FlowId, reader: BlockId) -> Absence {
         match self.inactive_blocks.is_outside(flow, reader) {
             true => Absence::MAYBE,
@@ -296,7 +297,8 @@ impl<'u> PresenceInference<'u> {
         self.unit.expr(id).ty.leaf_count()
     }
 
-    /// Returns the absence of a value for a reader on one clock: also absent where the value's own clock does not tick.
+    /// Returns the absence of a value for an expression on the clock `reader`. The value is also absent while its own
+    /// clock does not tick.
     pub(super) fn on_clock(&self, id: ExprId, reader: ClockId) -> Absence {
         let slower = |k: usize| self.clocks.is_slower(self.clocks.leaf(id, k), reader);
         match self.clocks.expr_clocks(id).uniform() {
@@ -306,7 +308,7 @@ impl<'u> PresenceInference<'u> {
         }
     }
 
-    /// Returns the absence of an operand of an elementwise operator.
+    /// Returns the absence of an operand of the elementwise operator `reader`, leaf by leaf on the clock of the result.
     pub(super) fn for_reader(&self, reader: ExprId, operand: ExprId) -> Absence {
         match self.clocks.expr_clocks(reader).uniform() {
             Some(clock) => self.on_clock(operand, clock),
@@ -318,7 +320,8 @@ impl<'u> PresenceInference<'u> {
         }
     }
 
-    /// Returns the absence of leaves of a value on the clock of the equation's target.
+    /// Returns the absence of `count` leaves of an equation's value, from leaf `first` on, on the clock of the flow
+    /// they define.
     pub(super) fn value_for_targets(
         &self,
         value: ExprId,
@@ -340,84 +343,15 @@ impl<'u> PresenceInference<'u> {
         }
     }
 
-    /// Returns whether an operand of a strict operator or call may be absent.
+    /// Returns whether an operand of the strict operator or call `reader` may be absent when that is evaluated.
     pub(super) fn is_absent_in(&self, reader: ExprId, operand: ExprId) -> bool {
         self.on_clock(operand, self.clocks.computed_on(reader))
             .any()
     }
 
-    /// Returns whether a flow is defined by equations and declared as present.
+    /// Returns whether a flow is defined by equations and declared as always present.
     pub(super) fn must_be_present(&self, flow: FlowId) -> bool {
         let flow = self.unit.flow(flow);
         flow.role.has_equation() && flow.optional == FlowPresence::Declared(false)
-    }
-
-    /// Returns a fix that rewrites `if present(x) then x else y` to `x ?? y`.
-    fn fix_present_or(&self, id: ExprId) -> Option<Fix> {
-        let TypedKind::Each(ElementwiseOp::If, operands) = &self.unit.expr(id).kind else {
-            return None;
-        };
-        let [condition, yes, no] = operands[..] else {
-            return None;
-        };
-        let TypedKind::Present(tested) = self.unit.expr(condition).kind else {
-            return None;
-        };
-        let flow = |id: ExprId| match self.unit.expr(id).kind {
-            TypedKind::Flow(flow) => Some(flow),
-            _ => None,
-        };
-        let same = flow(tested).is_some() && flow(tested) == flow(yes);
-        let [whole, yes, no] = [id, yes, no].map(|id| self.unit.expr(id).span);
-        let before = Span {
-            end: yes.start,
-            ..whole
-        };
-        let between = Span {
-            start: yes.end,
-            end: no.start,
-            ..whole
-        };
-        let fix = Fix::maybe("replace it with `x ?? y`")
-            .replace(before, "")
-            .replace(between, " ?? ");
-        same.then_some(fix)
-    }
-
-    /// Returns a fix that appends `?? otherwise` to an expression.
-    pub(super) fn fix_coalesce(&self, id: ExprId, otherwise: &str) -> Fix {
-        let span = self.unit.expr(id).span;
-        let fix = Fix::maybe(format!("use `{otherwise}` while it is absent"));
-        match self.unit.expr(id).kind {
-            TypedKind::Flow(_) | TypedKind::Part { .. } | TypedKind::Call(_) => {
-                fix.insert_after(span, format!(" ?? {otherwise}"))
-            }
-            _ => fix
-                .insert_before(span, "(")
-                .insert_after(span, format!(") ?? {otherwise}")),
-        }
-    }
-
-    /// Reports a value that may be absent but must be present, for a reader on clock `reader`. `why` is the label.
-    pub(super) fn absence_error(&self, id: ExprId, reader: ClockId, why: &str) -> Diagnostic {
-        let span = self.unit.expr(id).span;
-        let message = match self.unit.expr(id).kind {
-            TypedKind::Flow(flow) => {
-                format!("`{}` may be absent here", self.unit.flow(flow).name)
-            }
-            _ => "this value may be absent".to_owned(),
-        };
-        let diagnostic = Diagnostic::new(Code::RPI3001, message).primary(span, why.to_owned());
-        let diagnostic = match self.fix_present_or(id) {
-            Some(fix) => diagnostic
-                .help("`x ?? y` is `x` where it is present, and `y` where it is not")
-                .fix(fix),
-            None => diagnostic
-                .help("handle the absence: `x ?? other`, `hold(x, init)`, or `present(x)`"),
-        };
-        match crate::facts::presence_check::absence_cause(self, id, reader) {
-            Some((span, text)) => diagnostic.secondary(span, text),
-            None => diagnostic,
-        }
     }
 }

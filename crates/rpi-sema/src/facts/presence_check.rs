@@ -2,15 +2,17 @@
 
 use crate::clocks::ClockId;
 use crate::facts::Absence;
+use crate::facts::absence_error::ABSENT;
 use crate::facts::dependents::Definition;
 use crate::facts::dependents::Dependents;
 use crate::facts::presence::PresenceInference;
 use crate::typed::{Activation, Call, ElementwiseOp, TypedKind};
 use crate::typed::{ExprId, Flow, FlowId, FlowPresence, SharedFlow, TargetPlace, Unit, UnitKind};
-use rpi_diag::{Code, Diagnostic, Span};
+use rpi_diag::{Code, Diagnostic, Quote, Span};
+use rpi_syntax::Name;
 use std::collections::BTreeSet;
 
-/// Reports values that must be present but may be absent.
+/// Reports flows, conditions and arguments that must be present but may be absent, and warns about superfluous `??`.
 pub(super) fn check_presence(
     inference: &PresenceInference<'_>,
     reads: &Dependents<'_>,
@@ -31,7 +33,7 @@ pub(super) fn check_presence(
     }
 }
 
-/// Returns whether an expression reads one of these flows in its operands.
+/// Returns whether an expression or one of its operands reads one of these flows.
 fn reads_one_of(inference: &PresenceInference<'_>, id: ExprId, flows: &BTreeSet<FlowId>) -> bool {
     if flows.is_empty() {
         return false;
@@ -46,7 +48,7 @@ fn reads_one_of(inference: &PresenceInference<'_>, id: ExprId, flows: &BTreeSet<
     false
 }
 
-/// Reports flows that are declared as present but may be absent, and returns them.
+/// Reports flows that are declared as always present but may be absent, and returns these flows.
 fn flows(
     inference: &PresenceInference<'_>,
     reads: &Dependents<'_>,
@@ -77,8 +79,7 @@ fn flows(
                 let clock = inference.clocks.flow_clocks(flow).leaf(0);
                 let flow = inference.unit.flow(flow);
                 let text = format!("`{}` is `{}`, which is always present", flow.name, flow.ty);
-                let diagnostic =
-                    inference.absence_error(equation.value, clock, "absent in some cycles");
+                let diagnostic = inference.absence_error(equation.value, clock, ABSENT);
                 diagnostics.push(diagnostic.secondary(flow.span, text));
             }
             at += count;
@@ -87,7 +88,8 @@ fn flows(
     faulty
 }
 
-/// Returns an error for a flow that must be present but is not defined in some states.
+/// Returns the error for a flow that must be present but that some states of an automaton do not define; `None` if
+/// there is no error.
 fn open_value(inference: &PresenceInference<'_>, shared: &SharedFlow) -> Option<Diagnostic> {
     let unit = inference.unit;
     let (first, others) = shared.missing.split_first()?;
@@ -110,10 +112,32 @@ fn open_value(inference: &PresenceInference<'_>, shared: &SharedFlow) -> Option<
     let diagnostic = others.fold(diagnostic, |f, state| {
         f.secondary(state, "neither does this state")
     });
-    Some(diagnostic.help(format!(
-        "define it in every state (`{0} = last {0};` keeps it), or once outside the automaton: `{0} = ...;`",
-        flow.name
-    )))
+    Some(diagnostic.help(missing_definition_help(unit, shared, flow)))
+}
+
+/// Returns the ways to define a flow that some states do not define. `last` has no value in the first cycle, in which
+/// the initial state is active.
+fn missing_definition_help(unit: &Unit, shared: &SharedFlow, flow: &Flow) -> String {
+    let automata = unit.blocks.iter().flat_map(|block| &block.automata);
+    let initial = automata.filter_map(|automaton| {
+        let state = automaton.states.get(automaton.initial as usize)?;
+        Some(state.block)
+    });
+    let is_in_initial = initial
+        .into_iter()
+        .any(|state| shared.missing.contains(&state));
+    let Flow { name, ty, .. } = flow;
+    let in_states = match (is_in_initial, ty.zero_literal()) {
+        (true, Some(zero)) => format!("define it in every state, such as `{name} = {zero};`"),
+        (true, None) => format!("define it in every state: `{name} = ...;`"),
+        (false, _) => format!("define it in every state (`{name} = last {name};` keeps it)"),
+    };
+    match unit.is_lustre {
+        true => format!("{in_states}, or once outside the automaton: `{name} = ...;`"),
+        false => format!(
+            "{in_states}, or once outside the automaton (`{name} = ...;`); or declare it as `{ty}?`"
+        ),
+    }
 }
 
 fn conditions(inference: &PresenceInference<'_>, diagnostics: &mut Vec<Diagnostic>) {
@@ -150,33 +174,47 @@ fn conditions(inference: &PresenceInference<'_>, diagnostics: &mut Vec<Diagnosti
         let claims = claims.map(|(id, why)| (id, why, "true"));
         for (id, why, otherwise) in decisions.chain(claims) {
             if inference.on_clock(id, ClockId::BASE).any() {
-                let diagnostic = inference.absence_error(id, ClockId::BASE, why);
-                diagnostics.push(match block.when == Some(id) && reads_flow_of(unit, id, k) {
-                    true => diagnostic.help(
-                        "a fragment cannot depend on its own flows in the same cycle; use the previous value: `pre F.x ?? 0`",
-                    ),
-                    false => diagnostic.fix(inference.fix_coalesce(id, otherwise)),
+                let diagnostic = inference.absence_error_or(id, ClockId::BASE, why, otherwise);
+                let own = flow_read_of(unit, id, k).filter(|_| block.when == Some(id));
+                diagnostics.push(match own {
+                    Some(flow) => Diagnostic {
+                        help: vec![own_flow_help(&block.name, flow)],
+                        ..diagnostic
+                    },
+                    None => diagnostic.fix(inference.fix_coalesce(id, otherwise)),
                 });
             }
         }
     }
 }
 
-/// Returns whether an expression reads a flow of a block in the same cycle.
-fn reads_flow_of(unit: &Unit, id: ExprId, block: usize) -> bool {
+/// Returns the advice for a fragment whose condition reads one of its own flows.
+fn own_flow_help(fragment: &Name, flow: &Flow) -> String {
+    let zero = flow.ty.zero_or_dots();
+    format!(
+        "a fragment cannot depend on its own flows in the same cycle: read the previous value, `({zero} -> pre hold({fragment}.{}, {zero}))`",
+        flow.name
+    )
+}
+
+/// Returns a flow of a block that an expression reads in the same cycle.
+fn flow_read_of(unit: &Unit, id: ExprId, block: usize) -> Option<&Flow> {
     let mut parts = unit.traverse(id);
     while let Some((id, expr)) = parts.next() {
         match &expr.kind {
-            TypedKind::Flow(flow) if unit.flow(*flow).block.0 as usize == block => return true,
+            TypedKind::Flow(flow) if unit.flow(*flow).block.0 as usize == block => {
+                return Some(unit.flow(*flow));
+            }
             TypedKind::Each(ElementwiseOp::Pre | ElementwiseOp::Last, _) => {}
             _ => parts.enter(id),
         }
     }
-    false
+    None
 }
 
 impl PresenceInference<'_> {
-    /// Returns the absence of an argument for an input. An input with a clock takes values of that clock.
+    /// Returns which leaves (scalar parts) of an argument can be absent for the in-port `port`. An in-port with a clock
+    /// takes values on that clock.
     pub(super) fn argument_absence(&self, call: ExprId, port: &Flow, arg: ExprId) -> Absence {
         match port.clock {
             Some(_) => self.absence(arg),
@@ -204,7 +242,10 @@ fn arguments(
                 "in-port `{}` of `{}` must be present",
                 flow.name, callee.name
             );
-            let diagnostic = inference.absence_error(*arg, place, "absent in some cycles");
+            let mut diagnostic = inference.absence_error(*arg, place, ABSENT);
+            if let Some(help) = output_help(inference, *arg) {
+                diagnostic.help = vec![help];
+            }
             diagnostics.push(diagnostic.secondary(flow.span, text));
         }
     }
@@ -222,7 +263,36 @@ fn arguments(
     }
 }
 
-/// Warns about `x ?? y` if x is always present.
+/// Returns the advice for an argument that is one of several outputs of a call, as in `f(g(x))`.
+fn output_help(inference: &PresenceInference<'_>, arg: ExprId) -> Option<String> {
+    let TypedKind::Part { base, at } = inference.unit.expr(arg).kind else {
+        return None;
+    };
+    let call = inference.unit.expr(base);
+    let TypedKind::Call(called) = &call.kind else {
+        return None;
+    };
+    let names: Vec<&str> = call
+        .ty
+        .members()
+        .iter()
+        .filter_map(|m| m.name.as_deref())
+        .collect();
+    if names.len() < 2 || call.span != inference.unit.expr(arg).span {
+        return None;
+    }
+    let absent = names.get(at as usize).unwrap_or(&names[0]);
+    let zero = inference.unit.expr(arg).ty.zero_literal();
+    Some(format!(
+        "name the outputs of `{}` first, `{} = {};`, and pass values that are always present, such as `{absent} ?? {}`",
+        inference.units[called.unit.0 as usize].name,
+        names.join(", "),
+        Quote::text(call.span),
+        zero.unwrap_or("...".to_owned())
+    ))
+}
+
+/// Warns about `x ?? y` if `x` is always present, so that `y` is never used.
 fn warn_needless_coalesce(
     inference: &PresenceInference<'_>,
     id: ExprId,
@@ -240,8 +310,8 @@ fn warn_needless_coalesce(
     }
 }
 
-/// Finds the cause of an expression's absence: the first flow or operand that may be absent. Returns its span and a
-/// label.
+/// Returns the location and label of the first flow or operand because of which an expression may be absent, for an
+/// expression that reads it on the clock `reader`. `None` if no cause is found.
 pub(super) fn absence_cause(
     inference: &PresenceInference<'_>,
     id: ExprId,
@@ -297,21 +367,21 @@ pub(super) fn absence_cause(
     }
 }
 
-/// Returns whether an operator reads each operand on the operand's own clock.
+/// Returns whether an operator reads each operand on the clock of that operand, not on a common clock.
 fn reads_on_own_clocks(kind: &TypedKind) -> bool {
     use TypedKind::{Build, Current, Merge, Part};
     matches!(kind, Current(_) | Merge { .. } | Part { .. } | Build(_))
 }
 
-/// Cause for which the result of a call may be absent.
+/// Reason for which the result of a call may be absent.
 enum CallAbsenceCause {
-    /// The call itself is the cause; with a label for its location.
+    /// The call itself is the reason. The text is the label for its location.
     Here(String),
-    /// A location in the called unit is the cause; with a label.
+    /// A location in the called unit is the reason, with the label for it.
     Callee(Span, String),
-    /// This operand of the call may be absent.
+    /// The operand of the call that may be absent, as an expression.
     Operand(ExprId),
-    /// Any operand of the call that may be absent is the cause.
+    /// Some operand of the call may be absent. The first such operand is the reason.
     Operands,
 }
 

@@ -6,7 +6,7 @@ use crate::facts::Facts;
 use crate::typed::{BlockId, Export, FlowPresence, TakenOverValue, TaskStep, Unit};
 use rpi_diag::{Code, Diagnostic};
 
-/// Reports values that a command in a task takes over and that may be absent.
+/// Reports values that commands of a task take over from preceding commands and that must be present but may be absent.
 pub(super) fn value_sources(
     units: &[Unit],
     facts: &[Facts],
@@ -28,7 +28,8 @@ pub(super) fn value_sources(
     }
 }
 
-/// Returns whether a value that a command takes over must be present.
+/// Returns whether the value that a command takes over must be present, because the command does not declare it
+/// optional.
 fn must_be_present(units: &[Unit], step: &TaskStep, handed: &TakenOverValue) -> bool {
     let flow = units[step.unit.0 as usize].flow(handed.flow);
     flow.optional != FlowPresence::Declared(true)
@@ -47,7 +48,7 @@ fn may_be_absent(units: &[Unit], facts: &[Facts], handed: &TakenOverValue) -> bo
             .any(|c| c != ClockId::BASE)
 }
 
-/// Returns the export of a preceding command that provides a value.
+/// Returns the export of the preceding command that provides a value that is taken over.
 fn export<'u>(units: &'u [Unit], handed: &TakenOverValue) -> &'u Export {
     &units[handed.predecessor.0 as usize]
         .block(BlockId::ROOT)
@@ -61,11 +62,12 @@ fn absent(units: &[Unit], step: &TaskStep, handed: &TakenOverValue) -> Diagnosti
     let message = format!("`{}` takes over `{name}`, which may be absent", to.name);
     Diagnostic::new(Code::RPI8004, message)
         .primary(step.span, format!("`{name}` may have no value here"))
-        .secondary(handed.span, "this runs before it")
+        .secondary(handed.span, format!("this runs before `{}`", to.name))
         .secondary(export.span, "may be absent in the last cycle")
         .secondary(flow.span, "must be present")
         .help(format!(
-            "make it always present there: `x ?? other`; or take over an optional value: `{name}: {}?`",
+            "make it always present there: `{name} = ... ?? {};`; or take over an optional value: `{name}: {}?`",
+            flow.ty.zero_or_dots(),
             flow.ty
         ))
 }

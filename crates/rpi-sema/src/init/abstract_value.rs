@@ -4,35 +4,36 @@ use rpi_image::Value;
 use rpi_net::{FragmentId, NodeId, PortRef};
 use std::rc::Rc;
 
-/// Condition on a cycle: a Boolean flow and the value that it must have.
+/// Condition on a cycle: a Boolean port of the net, and the value that it must have.
 pub(super) type Condition = (PortRef, bool);
 
-/// Condition under which a flow that may be uninitialised has a value.
+/// Condition under which a flow that may be uninitialised has a value nevertheless.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub(super) enum DefinedWhen {
-    /// The flow has a value in the cycles in which the condition holds.
+    /// The flow has a value in each cycle in which the condition holds.
     Now(Condition),
-    /// The flow has a value from the first cycle of this fragment on in which the condition holds. This is the held
-    /// value of a sampled flow.
+    /// The flow has a value from the first cycle of this fragment on in which the condition holds. An example is the
+    /// held value of a sampled flow.
     Since(Condition, FragmentId),
 }
 
-/// Abstract value of a flow in the analysis of initialisation, an element of a lattice. Later variants allow more.
+/// Abstract value of a flow in the analysis of initialisation. The values form a lattice, in which later variants
+/// include more concrete values.
 #[derive(Clone, PartialEq, Debug)]
 pub(super) enum AbstractValue {
-    /// The flow is not computed in any cycle (bottom).
+    /// The flow is not computed in any cycle of the phase (bottom of the lattice).
     Unreachable,
-    /// The flow has this value.
+    /// The flow has exactly this value.
     Value(Rc<Value>),
-    /// The flow has one of these integers, in ascending order: possible states of an automaton.
+    /// The flow has one of these integers, which are in ascending order. An example is the state of an automaton.
     OneOf(Rc<[i64]>),
-    /// The flow has a value, which is unknown.
+    /// The flow has a value, but the value is unknown.
     Defined,
-    /// The flow may have no value, because a delay is not initialised.
+    /// The flow may have no value, because it depends on a delay that is not initialised.
     Undefined {
-        /// Delay that is not initialised yet.
+        /// Delay that is not initialised, as a node of the net.
         root: NodeId,
-        /// Cycles in which the flow has a value nevertheless.
+        /// Condition under which the flow has a value nevertheless; `None` if there is no such cycle.
         defined_when: Option<DefinedWhen>,
     },
 }
@@ -43,7 +44,7 @@ impl AbstractValue {
         AbstractValue::Value(Rc::new(value))
     }
 
-    /// Returns the least upper bound of two abstract values.
+    /// Returns the least upper bound of two abstract values: the smallest one that includes both.
     pub(super) fn join(&self, other: &AbstractValue) -> AbstractValue {
         use AbstractValue::{Defined, Undefined, Unreachable};
         match (self, other) {
@@ -72,7 +73,7 @@ impl AbstractValue {
         }
     }
 
-    /// Returns the possible integers, if they are known.
+    /// Returns the possible integers in ascending order; `None` if they are not known.
     fn integers(&self) -> Option<Rc<[i64]>> {
         match self {
             AbstractValue::Value(value) => value.as_int().map(|value| [value].into()),
@@ -89,7 +90,7 @@ impl AbstractValue {
         }
     }
 
-    /// Returns the Boolean value, if it is known.
+    /// Returns the Boolean value; `None` if it is not known.
     pub(super) fn truth(&self) -> Option<bool> {
         match self {
             AbstractValue::Value(value) => value.as_bool(),
@@ -97,7 +98,8 @@ impl AbstractValue {
         }
     }
 
-    /// Returns the abstract value in a later cycle, where conditions of this cycle no longer apply.
+    /// Returns the abstract value as seen in a later cycle. A condition under which the flow has a value in this cycle
+    /// no longer applies.
     pub(super) fn later(self) -> AbstractValue {
         match self {
             AbstractValue::Undefined { root, .. } => AbstractValue::Undefined {
@@ -108,8 +110,8 @@ impl AbstractValue {
         }
     }
 
-    /// Returns the abstract value under an assumption: `Defined` if `holds` is true for the condition under which this
-    /// flow has a value, else the same value.
+    /// Returns `Defined` if the flow has a value under a condition for which `holds` returns true; otherwise the
+    /// abstract value itself.
     pub(super) fn assuming(self, holds: impl FnOnce(DefinedWhen) -> bool) -> AbstractValue {
         match self {
             AbstractValue::Undefined {
@@ -120,7 +122,8 @@ impl AbstractValue {
         }
     }
 
-    /// Marks an uninitialised value as defined where the condition holds.
+    /// Returns the abstract value with the addition that the flow has a value in cycles in which the condition holds.
+    /// Only a value that may be uninitialised, and has no such condition yet, changes.
     pub(super) fn defined_where(self, condition: Option<Condition>) -> AbstractValue {
         match self {
             AbstractValue::Undefined {
@@ -134,7 +137,8 @@ impl AbstractValue {
         }
     }
 
-    /// Marks a value that is defined where a condition holds as defined from then on, because the fragment holds it.
+    /// Returns the abstract value of a flow that holds its value in this fragment: if it has a value in cycles in which
+    /// a condition holds, it has one from the first such cycle on.
     pub(super) fn held(self, fragment: FragmentId) -> AbstractValue {
         match self {
             AbstractValue::Undefined {
@@ -149,7 +153,7 @@ impl AbstractValue {
     }
 }
 
-/// Greatest number of integers that are distinguished: states of an automaton. A larger set becomes `Defined`.
+/// Maximum number of integers that are distinguished, such as states of an automaton. A larger set becomes `Defined`.
 const MAX_INTEGERS: usize = 16;
 
 fn with_output_fixes(a: &[i64], b: &[i64]) -> AbstractValue {

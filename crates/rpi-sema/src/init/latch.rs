@@ -12,13 +12,14 @@ use crate::init::solve::Solution;
 use rpi_image::{Role, StateSize};
 use rpi_net::{FragmentId, Input, Net, NodeId, PortRef};
 
-/// Greatest number of proof steps for one query.
+/// Maximum number of steps of the search for one proof.
 const MAX_STEPS: usize = 1000;
 
-/// Greatest depth to which conditions are compared.
+/// Maximum depth of nested operations to which two conditions are compared.
 const MAX_DEPTH: usize = 8;
 
-/// Returns whether the condition `unless` holds for a reader in all cycles in which the given conditions hold.
+/// Returns whether the condition `unless`, under which a flow has a value, holds for the node `reader` in all cycles in
+/// which the conditions `given` hold.
 pub(super) fn holds(
     all: &Solution<'_>,
     reader: NodeId,
@@ -42,8 +43,8 @@ pub(super) fn holds(
     }
 }
 
-/// Returns whether a conditional holds its last value unless its condition is true: its other branch is a delay of the
-/// conditional itself.
+/// Returns whether a conditional holds its last value while its condition is false: its second branch is a delay of its
+/// own output.
 pub(super) fn is_latch(net: &Net, choice: NodeId) -> bool {
     let node = net.node(choice);
     let otherwise = node.inputs.get(2).and_then(Input::port);
@@ -56,20 +57,22 @@ pub(super) fn is_latch(net: &Net, choice: NodeId) -> bool {
     })
 }
 
-/// Search for a proof that one condition implies that another one holds or has held.
+/// Search for a proof that, whenever a given condition holds, the condition `condition` holds or has held before.
 struct LatchProof<'s, 'n> {
     all: &'s Solution<'n>,
     condition: Condition,
     fragment: FragmentId,
     steps: usize,
-    /// Conditions assumed by induction. Behind a delay they are proved for all earlier cycles.
+    /// Conditions that the induction assumes. Behind a delay, they are taken as proved for all earlier cycles.
     assumed: Vec<Condition>,
-    /// Conditions that could not be proved, even under more assumptions than later queries have.
+    /// Conditions for which no proof was found. Later searches have fewer assumptions, so that they would find none
+    /// either.
     failed: Vec<Condition>,
 }
 
 impl LatchProof<'_, '_> {
-    /// Returns whether a flow having this value proves the condition of the search.
+    /// Returns whether the condition of the search holds or has held in all cycles in which the given flow has the
+    /// given value.
     fn proves(&mut self, (port, value): Condition) -> bool {
         let (port, value) = self.all.strip_negations(port, value);
         if value == self.condition.1 && is_equal(self.all.net(), port, self.condition.0, MAX_DEPTH)
@@ -122,8 +125,8 @@ impl LatchProof<'_, '_> {
     }
 }
 
-/// Returns whether two flows always have the same value: they are the same flow, or the same operation on the same
-/// operands.
+/// Returns whether two ports always have the same value, because they are the same port or outputs of the same
+/// operation on the same operands. `depth` is the number of nested operations that may still be compared.
 fn is_equal(net: &Net, a: PortRef, b: PortRef, depth: usize) -> bool {
     if a == b {
         return true;

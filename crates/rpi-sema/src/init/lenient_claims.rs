@@ -4,12 +4,12 @@
 use crate::init::phases::PHASES;
 use crate::init::rules::TransferRule;
 use crate::init::solve::Solution;
-use rpi_diag::{Code, Diagnostic, Span};
+use rpi_diag::{Code, Diagnostic, Quote, Span};
 use rpi_net::{FragmentId, Net, NodeId, PortRef};
 use std::collections::BTreeSet;
 
-/// Returns the conditions of Lustre claims that may be undefined in the first cycle, each with the fragment of the
-/// claim.
+/// Returns the ports with the conditions of claims in Lustre, each with the fragment of the claim. These conditions may
+/// be undefined in the first cycle.
 pub(super) fn lenient_claims(net: &Net) -> impl Iterator<Item = (PortRef, FragmentId)> + '_ {
     let lenient = net.claims.iter().filter(|claim| !claim.is_strict);
     let keys: BTreeSet<&str> = lenient.map(|claim| claim.key.as_str()).collect();
@@ -18,8 +18,8 @@ pub(super) fn lenient_claims(net: &Net) -> impl Iterator<Item = (PortRef, Fragme
     exports.map(|export| (export.source, net.node(export.source.node).fragment))
 }
 
-/// Returns one warning for each `pre` that claims read before it is initialised. `reported` are the delays reported for
-/// other readers.
+/// Returns one warning for each `pre` that claims in Lustre read before it is initialised. `reported` are delays that
+/// have been reported because of other reads, and `given` are conditions that are taken as true.
 pub(super) fn diagnostics(
     net: &Net,
     rules: &[TransferRule],
@@ -50,7 +50,10 @@ pub(super) fn diagnostics(
             place,
             "RPI takes 0 or false there; other tools take an arbitrary value",
         )
-        .help("give a value for the first cycle before `->`: `true -> pre x >= 0`")
+        .help(format!(
+            "write the value for the first cycle before `->`: `(... -> {})`; or begin the condition by `true ->`",
+            Quote::text(place)
+        ))
     };
     places.into_iter().map(diagnostic).collect()
 }

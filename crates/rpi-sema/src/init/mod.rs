@@ -29,7 +29,7 @@ pub(crate) mod worklist;
 use crate::hash::{FastMap, FastSet};
 use crate::init::abstract_value::AbstractValue;
 use phases::PHASES;
-use rpi_diag::{Code, Diagnostic, Fix, Span};
+use rpi_diag::{Code, Diagnostic, Fix, Quote, Span};
 use rpi_image::claim::is_claim_key;
 use rpi_image::{Role, StateSize};
 use rpi_net::passes::Readers;
@@ -40,7 +40,8 @@ use rpi_prims::PrimId;
 use rules::{TransferRule, rule};
 use solve::Solution;
 
-/// Reports flows that are read before they are initialised. Assertions and assumptions are taken as true.
+/// Reports flows of a net that are read before they are initialised. Conditions that are asserted or assumed are taken
+/// as true.
 #[must_use]
 pub fn check(net: &Net) -> Vec<Diagnostic> {
     let rules = rules::rules(net);
@@ -82,8 +83,8 @@ pub fn check(net: &Net) -> Vec<Diagnostic> {
     diagnostics
 }
 
-/// Merges the uninitialised delays of parts of one value into one group for the whole value, if they are at the same
-/// locations, so that one diagnostic reports them.
+/// Merges groups of uninitialised delays that belong to parts of one value and have the same locations, so that one
+/// diagnostic reports the whole value. Each group has the name of its flow and its delays.
 fn merge_parts(
     net: &Net,
     by_flow: Vec<(Option<&str>, Vec<NodeId>)>,
@@ -109,7 +110,8 @@ fn merge_parts(
     all
 }
 
-/// Returns the length in bytes of the common prefix of two names of parts, cut at a whole component.
+/// Returns the length in bytes of the common prefix of the names of two parts, such as `p` for `p.x` and `p.y`. A
+/// component of a name is not cut.
 fn common_prefix_len(a: &str, b: &str) -> usize {
     let starts = a.match_indices(['[', '.']).map(|(at, _)| at);
     let starts = starts.chain([a.len()]);
@@ -135,7 +137,7 @@ pub fn summary(net: &Net) -> String {
     )
 }
 
-/// Returns the conditions of claims that are assumed without proof.
+/// Returns the ports with the conditions of claims that are taken as true without proof.
 fn assumed_claims(net: &Net) -> impl Iterator<Item = PortRef> + '_ {
     let given = net.claims.iter().filter(|claim| claim.kind.is_assumed());
     let keys: FastSet<&str> = given.map(|claim| claim.key.as_str()).collect();
@@ -144,14 +146,14 @@ fn assumed_claims(net: &Net) -> impl Iterator<Item = PortRef> + '_ {
     claimed.map(|export| export.source)
 }
 
-/// Greatest number of rounds that search for delays that are uninitialised but hidden by other ones.
+/// Maximum number of rounds of the search for uninitialised delays that are hidden behind other ones.
 const MAX_ROUNDS: usize = 20;
 
-/// Greatest number of nodes visited in all these rounds together.
+/// Maximum number of nodes visited in all rounds of the search for hidden uninitialised delays together.
 const MAX_NODES: usize = 400_000;
 
-/// Returns the delays that are read before they are initialised, including those that are only read through other such
-/// delays.
+/// Returns the delays that are read before they are initialised, including those that are read only through other such
+/// delays. `claims` are conditions that are taken as true.
 fn uninitialised_delays(
     solution: &Solution<'_>,
     rules: &[TransferRule],
@@ -178,14 +180,14 @@ fn uninitialised_delays(
     roots
 }
 
-/// Returns whether the flow of a node is uninitialised in the first cycle of its fragment.
+/// Returns whether the output of a node is uninitialised in the first cycle of its fragment.
 fn is_uninitialised_at_start(solution: &Solution<'_>, node: NodeId) -> bool {
     let fragment = solution.net().node(node).fragment;
     let port = PortRef { node, port: 0 };
     uninitialised_root(&solution.value_for(port, fragment, 0).value).is_some()
 }
 
-/// Returns whether the primitive ends the command if its condition is false.
+/// Returns whether a primitive ends the command if its condition is false.
 fn is_check(prim: PrimId) -> bool {
     [
         prim!("Rpi::Assert"),
@@ -195,15 +197,14 @@ fn is_check(prim: PrimId) -> bool {
     .contains(&prim)
 }
 
-/// Conditions whose failure ends the command.
+/// Returns the ports with conditions whose failure ends the command.
 fn asserted_conditions(net: &Net) -> impl Iterator<Item = PortRef> + '_ {
     let checks = net.nodes.iter();
     let checks = checks.filter(|node| is_check(node.prim));
     checks.filter_map(|node| node.inputs.first().and_then(Input::port))
 }
 
-/// Returns the delays that outputs and activations of the net read before they are initialised, in the order of the
-/// net.
+/// Returns the uninitialised delays that outputs and activations of the net depend on, in the order of the net.
 fn read_early(solution: &Solution<'_>) -> Vec<NodeId> {
     let net = solution.net();
     let mut roots = Vec::new();
@@ -226,8 +227,8 @@ fn uninitialised_root(known: &AbstractValue) -> Option<NodeId> {
     }
 }
 
-/// Sinks of the net, which must have a value in every cycle: outputs and activations, each with the fragment of the
-/// reader.
+/// Returns the ports that must have a value in every cycle: those that outputs, activations and primitives with state
+/// read. Each is returned with the fragment in which it is read.
 fn sinks(net: &Net) -> impl Iterator<Item = (PortRef, FragmentId)> + '_ {
     let own = |port: PortRef| (port, net.node(port.node).fragment);
     let strict = net.claims.iter().filter(|claim| claim.is_strict);
@@ -269,7 +270,8 @@ fn sinks(net: &Net) -> impl Iterator<Item = (PortRef, FragmentId)> + '_ {
     sinks.chain(remembering)
 }
 
-/// Creates the error for the uninitialised delays in the equation of one flow.
+/// Returns the error for the uninitialised delays `roots` in the equation of `flow`. `is_first` is whether the flow has
+/// no value in the very first cycle.
 fn uninitialised_error(
     net: &Net,
     flow: Option<&str>,
@@ -281,10 +283,13 @@ fn uninitialised_error(
         && is_current_delay(net, *one)
     {
         return Diagnostic::new(Code::RPI5002, "`current` is read before it is initialised")
-            .primary(place(one), "its clock may not tick in the first cycles")
-            .help("make its clock tick in the first cycle, or give a value until then: `if seen then current x else y`");
+            .primary(
+                place(one),
+                "no value until its clock ticks, which may be later than the first cycle",
+            )
+            .help("use a clock that is true in the first cycle, `when on` with `on = true -> ...;`, or a value for the other cycles, `if ... then ... else ...` instead of `current`");
     }
-    let what = flow.map_or_else(|| "a flow".to_owned(), |flow| format!("`{flow}`"));
+    let what = flow.map_or_else(|| "this expression".to_owned(), |flow| format!("`{flow}`"));
     let message = match is_first {
         true => format!("{what} has no value in the first cycle"),
         false => format!("{what} has no value in one of the first cycles"),
@@ -296,26 +301,55 @@ fn uninitialised_error(
     let mut places = roots.iter().map(place);
     if places.any(|place| net.outer_delays.contains(&place)) {
         // `->` inside would restart together with the fragment or state.
-        return diagnostic.help("initialise it outside the fragment or state, such as `before = 0 -> last x;`, and read `before`");
+        let delays = roots.first().map(|root| Quote::text(place(root)));
+        let delay = delays.map(|delay| delay.to_string()).unwrap_or_default();
+        return diagnostic.help(format!("initialise it outside of the fragment or state by an equation of its own, `before = ... -> {delay};`, and read `before` here"));
     }
+    if let ([one], None) = (roots, flow)
+        && let Some(condition) = claim_condition(net, place(one))
+    {
+        return diagnostic
+            .help(format!(
+                "begin the condition by `true ->`, so that it holds in the first cycle, or give a first value: `(... -> {})`",
+                Quote::text(place(one))
+            ))
+            .fix(Fix::maybe("let it hold in the first cycle").insert_before(condition, "true -> "));
+    }
+    diagnostic
+        .help("write the value for the first cycle before `->`")
+        .fix(first_value_fix(net, roots))
+}
+
+/// Returns the fix that writes a first value before each delay.
+fn first_value_fix(net: &Net, roots: &[NodeId]) -> Fix {
     let mut fix = Fix::maybe("give it a first value");
     for root in roots {
-        let first = initial_value_text(net, *root);
+        let (first, place) = (initial_value_text(net, *root), net.node(*root).origin.span);
         // A delay that is the whole equation needs no parentheses.
         fix = match net.node(*root).origin.flow {
-            Some(_) => fix.insert_before(place(root), first),
+            Some(_) => fix.insert_before(place, first),
             None => {
-                let fix = fix.insert_before(place(root), format!("({first}"));
-                fix.insert_after(place(root), ")")
+                let fix = fix.insert_before(place, format!("({first}"));
+                fix.insert_after(place, ")")
             }
         };
     }
-    let diagnostic =
-        diagnostic.help("give the value for the first cycle before `->`, such as `0 -> pre x`");
-    diagnostic.fix(fix)
+    fix
 }
 
-/// Returns the node of the flow whose equation contains `root`: the nearest named node that depends on it.
+/// Returns the location of the condition of the claim that contains `place`.
+fn claim_condition(net: &Net, place: Span) -> Option<Span> {
+    let around = net.claims.iter().filter(|claim| claim.span.contains(place));
+    let conditions = around.filter_map(|claim| {
+        let export = net.exports.iter().find(|export| export.key == claim.key)?;
+        let span = net.node(export.source.node).origin.span;
+        (claim.span.contains(span) && span.contains(place)).then_some(span)
+    });
+    conditions.into_iter().next()
+}
+
+/// Returns the node with the flow whose equation contains the delay `root`: the nearest node with the name of a flow
+/// that depends on it. `None` if there is none.
 fn enclosing_equation(net: &Net, users: &Readers, root: NodeId) -> Option<NodeId> {
     let mut seen = vec![root];
     let mut next = 0;
@@ -333,8 +367,8 @@ fn enclosing_equation(net: &Net, users: &Readers, root: NodeId) -> Option<NodeId
     None
 }
 
-/// Returns whether a delay holds the value of a sampled flow: its input is that flow where it ticks, else the delay
-/// itself.
+/// Returns whether a delay belongs to a `current`, which holds the value of a sampled flow: its input is that flow when
+/// the clock ticks, else the delay's own output.
 fn is_current_delay(net: &Net, delay: NodeId) -> bool {
     let input = net.node(delay).inputs.first().and_then(Input::port);
     input.is_some_and(|port| {
@@ -347,7 +381,7 @@ fn is_current_delay(net: &Net, delay: NodeId) -> bool {
     })
 }
 
-/// Returns the source text of an initial value with `->`.
+/// Returns the source text of an initial value for a delay, followed by `->`.
 fn initial_value_text(net: &Net, root: NodeId) -> &'static str {
     use rpi_image::{Scalar, Type};
     match net.node(root).outputs.first() {

@@ -3,16 +3,17 @@
 
 use crate::init::abstract_value::AbstractValue;
 
-/// Number of phases into which the run of a fragment is divided: its first cycles, one by one, and all later ones.
+/// Number of phases into which the run of a fragment is divided: one for each of its first cycles, and one for all
+/// later cycles.
 pub(super) const PHASES: usize = 5;
 
 /// Index of the last phase, which covers all later cycles.
 pub(super) const LAST_PHASE: usize = PHASES - 1;
 
-/// One value for each of the first cycles that the analysis distinguishes, and one for all later cycles.
+/// One value for each phase of a fragment: for each of its first cycles, and for all later cycles together.
 pub(super) type PerPhase<T> = [T; PHASES];
 
-/// Set of phases, one bit each.
+/// Set of phases of a fragment, one bit for each phase.
 #[derive(Clone, Copy, PartialEq, Eq, Debug, Default)]
 pub(super) struct PhaseSet(u8);
 
@@ -29,7 +30,7 @@ impl PhaseSet {
         PhaseSet(self.0 & other.0)
     }
 
-    /// Returns the set of all other phases.
+    /// Returns the set of all phases that are not in this set.
     pub(super) fn complement(self) -> PhaseSet {
         PhaseSet(!self.0 & ((1 << PHASES) - 1))
     }
@@ -60,7 +61,7 @@ pub(super) enum Activity {
 }
 
 impl Activity {
-    /// Returns the activity that follows from the value of an activation's condition.
+    /// Returns the activity of a fragment whose activation condition has this abstract value.
     pub(super) fn from_condition(condition: &AbstractValue) -> Activity {
         match (condition, condition.truth()) {
             (AbstractValue::Unreachable, _) | (_, Some(false)) => Activity::Never,
@@ -70,7 +71,9 @@ impl Activity {
     }
 }
 
-/// Returns for each phase of a fragment the phases of its parent in which the fragment can be in that phase.
+/// Returns for each phase of a fragment the phases in which its parent can be at that time. `active` is the activity of
+/// the fragment in each phase of its parent, `restarts` whether it can restart, and `activated` whether it has an
+/// activation condition.
 pub(super) fn parent_phases(
     active: &PerPhase<Activity>,
     restarts: bool,
@@ -90,8 +93,8 @@ pub(super) fn parent_phases(
     sets
 }
 
-/// Returns the parent's phases for the phase that follows one with the phases `before`; for the first phase if `before`
-/// is none.
+/// Returns the phases of the parent in which a fragment can be in its next phase. `before` are the parent's phases for
+/// the previous phase; `None` for the first phase. `endless` is whether the phase can begin at any later time.
 fn next_parent_phases(
     active: &PerPhase<Activity>,
     before: Option<PhaseSet>,

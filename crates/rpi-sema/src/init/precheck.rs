@@ -9,7 +9,8 @@ use crate::init::solve::previous_phases;
 use rpi_net::passes::Readers;
 use rpi_net::{FragmentId, Input, Net, NodeId, PortRef};
 
-/// Returns whether one of these flows may be read before it is initialised.
+/// Returns whether one of the ports in `read`, each with the fragment in which it is read, may be read before it is
+/// initialised.
 pub(super) fn may_read_uninitialised(
     net: &Net,
     rules: &[TransferRule],
@@ -22,7 +23,7 @@ pub(super) fn may_read_uninitialised(
 struct Precheck<'n> {
     net: &'n Net,
     rules: &'n [TransferRule],
-    /// For each node, the phases in which it may be uninitialised.
+    /// For each node, the phases of its fragment in which its output may be uninitialised.
     uninitialised: Vec<PhaseSet>,
 }
 
@@ -45,7 +46,8 @@ impl<'n> Precheck<'n> {
         glance
     }
 
-    /// Computes the phases of a node from those of its inputs. The function is monotone, so the least solution exists.
+    /// Returns the phases in which the output of a node may be uninitialised, computed from those of its inputs. The
+    /// function is monotone, so that a least solution exists.
     fn node_phases(&self, id: NodeId) -> PhaseSet {
         let start = PhaseSet::single(0);
         let input = |k: usize| self.input(id, k);
@@ -70,8 +72,8 @@ impl<'n> Precheck<'n> {
         }
     }
 
-    /// Returns the phases of the reader's fragment in which a port may be uninitialised for it. Any phase of another
-    /// fragment may coincide with any phase of the reader's.
+    /// Returns the phases of the fragment `from` in which a port may be uninitialised for a read in that fragment. If
+    /// the port is in another fragment, any phase of one fragment may coincide with any phase of the other.
     fn port_phases(&self, port: PortRef, from: FragmentId) -> PhaseSet {
         let without = self.uninitialised[port.node.index()];
         match without.is_empty() || self.net.node(port.node).fragment == from {
@@ -81,7 +83,7 @@ impl<'n> Precheck<'n> {
     }
 }
 
-/// Returns the phases in which a delay outputs a value that it read in one of the given phases.
+/// Returns the phases in which a delay outputs a value that it read in one of the phases `given`.
 fn phases_after_delay(given: PhaseSet) -> PhaseSet {
     let meets = |phase: &usize| {
         previous_phases(*phase)

@@ -11,34 +11,37 @@ use rpi_net::{Input, Net, Node, NodeId, PortRef};
 use rpi_prims::{PrimId, fold};
 use std::rc::Rc;
 
-/// Transfer function of a primitive in the analysis of initialisation: how its abstract output follows from its inputs.
+/// Transfer function of a primitive in the analysis of initialisation: how its abstract output follows from its
+/// abstract inputs.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub(super) enum TransferRule {
-    /// Delay of a flow that is always present: uninitialised in the first phase.
+    /// Delay of a flow that is always present. Its output is uninitialised in the first phase.
     Delay,
-    /// Delay that starts absent, or whose missing initial value has been reported.
+    /// Delay whose output counts as defined in the first phase too: it starts absent, or its missing initial value has
+    /// already been reported.
     OptionalDelay,
-    /// `first`: true in the first phase, else false.
+    /// `first`: true in the first phase of the fragment, else false.
     First,
-    /// `if inCondition then inTrue else inFalse`
+    /// `if inCondition then inTrue else inFalse`, of which the branch that is not chosen is not needed.
     Conditional,
-    /// Conjunction, in which `true` is neutral.
+    /// Conjunction. A `false` operand decides the result, so that the other operand is not needed.
     And,
-    /// Disjunction, in which `false` is neutral.
+    /// Disjunction. A `true` operand decides the result, so that the other operand is not needed.
     Or,
-    /// Implication of the second input by the first.
+    /// Implication of the second input by the first input. A false first input or a true second input decides the
+    /// result.
     Implies,
-    /// Negation of the input.
+    /// Negation of the only input.
     Not,
-    /// First present value of two inputs, `x ?? y`.
+    /// `x ?? y`: the first input if it is present, else the second input.
     Coalesce,
-    /// Operation with a guard as first input: the other inputs are not needed while the guard is false.
+    /// Operation with a guard as its first input. The other inputs are not needed while the guard is false.
     Guarded,
-    /// Operation that needs all its inputs.
+    /// Any other operation. All its inputs are needed for its output.
     Strict,
 }
 
-/// Transfer functions by suffix of the primitive's name.
+/// Transfer functions of primitives, by the ends of their names.
 const RULES_BY_NAME: &[(&str, TransferRule)] = &[
     ("Conditional", TransferRule::Conditional),
     ("::BooleanAnd", TransferRule::And),
@@ -48,7 +51,7 @@ const RULES_BY_NAME: &[(&str, TransferRule)] = &[
     ("Coalesce", TransferRule::Coalesce),
 ];
 
-/// Returns the transfer functions of all nodes of a net.
+/// Returns the transfer function of each node of a net, indexed by node.
 pub(super) fn rules(net: &Net) -> Vec<TransferRule> {
     let mut known: FastMap<PrimId, TransferRule> = FastMap::default();
     let nodes = net.nodes.iter();
@@ -60,7 +63,7 @@ pub(super) fn rules(net: &Net) -> Vec<TransferRule> {
     nodes.map(rule).collect()
 }
 
-/// Returns whether the condition of a conditional is `first` of its own fragment.
+/// Returns whether the condition of a conditional is the flow `first` of its own fragment.
 pub(super) fn is_by_first(net: &Net, rules: &[TransferRule], choice: NodeId) -> bool {
     let node = net.node(choice);
     let condition = node.inputs.first().and_then(Input::port);
@@ -70,7 +73,7 @@ pub(super) fn is_by_first(net: &Net, rules: &[TransferRule], choice: NodeId) -> 
     })
 }
 
-/// Returns the transfer function of a node's primitive.
+/// Returns the transfer function of the primitive of a node.
 pub(super) fn rule(node: &Node) -> TransferRule {
     rule_of_prim(node.desc())
 }
@@ -104,7 +107,7 @@ fn rule_of_prim(desc: &PrimDesc) -> TransferRule {
     }
 }
 
-/// Computes the abstract value of a node in a phase of its fragment.
+/// Returns the abstract value of the output of the node `id` in a phase of its fragment.
 pub(super) fn apply(
     rule: TransferRule,
     all: &Solution<'_>,
@@ -175,8 +178,8 @@ fn conditional(all: &Solution<'_>, id: NodeId, phase: usize) -> AbstractValue {
     }
 }
 
-/// Returns the abstract value of a conditional with an unknown condition. If only one branch is initialised, the result
-/// is initialised where that branch is chosen.
+/// Returns the abstract value of a conditional whose condition is unknown. `yes` and `no` are the abstract values of
+/// its branches. If only one branch is initialised, the result is initialised where that branch is chosen.
 fn select_if_equal(
     all: &Solution<'_>,
     condition: Option<PortRef>,
@@ -192,8 +195,9 @@ fn select_if_equal(
     }
 }
 
-/// Computes a conjunction, or a disjunction if `absorbing`. An operand with the absorbing value decides the result, and
-/// the other operand is needed only where it does not decide.
+/// Returns the abstract value of a disjunction if `absorbing`, else of a conjunction. An operand with the value
+/// `absorbing` decides the result, and the other operand is then not needed. `negated` is whether each operand is
+/// negated.
 fn connective(
     absorbing: bool,
     all: &Solution<'_>,
@@ -242,8 +246,8 @@ fn coalesce_leaf(all: &Solution<'_>, id: NodeId, phase: usize) -> AbstractValue 
     }
 }
 
-/// Computes the abstract value of an operation that needs all its inputs. Constant inputs are read only if the values
-/// of all flows are known, which is rare.
+/// Returns the abstract value of an operation that needs all its inputs. Constant inputs are read only if the values of
+/// all other inputs are known, which is rare.
 fn strict(all: &Solution<'_>, id: NodeId, phase: usize) -> AbstractValue {
     let inputs = &all.net().node(id).inputs;
     let input = |k: usize| all.input(id, k, phase).value;

@@ -9,31 +9,33 @@ use crate::init::rules::{TransferRule, is_by_first};
 use rpi_image::Value;
 use rpi_net::{Activation, FragmentId, Input, Net, NodeId, PortRef, Restart};
 
-/// Greatest number of conditions implied by a condition that are visited.
+/// Maximum number of conditions that are visited when the consequences of a condition are collected.
 const MAX_IMPLIED: usize = 1000;
 
-/// Abstract values of the flows of a net in each phase, during and after the iteration to a fixed point.
+/// Abstract values of the outputs of all nodes of a net in each phase, during and after the iteration to a fixed point.
 pub(super) struct Solution<'n> {
     net: &'n Net,
     values: Vec<PerPhase<AbstractValue>>,
     rules: Vec<TransferRule>,
-    /// For each fragment, its activity by phase of its parent.
+    /// For each fragment, whether it is active in each phase of its parent.
     active: Vec<PerPhase<Activity>>,
-    /// For each phase of each fragment, the possible phases of its parent.
+    /// For each fragment and each of its phases, the phases in which its parent can be at that time.
     parents: Vec<PerPhase<PhaseSet>>,
-    /// Values that claims state for flows: node, phase and value, sorted.
+    /// Values that claims taken as true give to Boolean flows: node, phase of its fragment, and value. The list is
+    /// sorted.
     claimed_values: Vec<(NodeId, usize, bool)>,
 }
 
-/// Abstract value of a flow for a reader in another fragment.
+/// Abstract value of a flow as it is read in another fragment.
 pub(super) struct ReadValue {
     pub(super) value: AbstractValue,
-    /// Activity of the fragments between the reader and the flow.
+    /// Whether the fragments between the read and the flow are active.
     pub(super) activity: Activity,
 }
 
 impl<'n> Solution<'n> {
-    /// Solves the equations of all nodes. Conditions in `claims` are taken as true.
+    /// Computes the abstract values of all nodes of a net. `rules` has the transfer function of each node. The
+    /// conditions in `claims` are taken as true.
     pub(super) fn new(net: &'n Net, rules: Vec<TransferRule>, claims: &[PortRef]) -> Self {
         let mut solution = Solution {
             net,
@@ -76,7 +78,7 @@ impl<'n> Solution<'n> {
         }
     }
 
-    /// Updates the activity of a fragment and returns whether it has changed.
+    /// Updates whether a fragment is active in each phase of its parent, and returns whether this has changed.
     fn activate(&mut self, fragment: FragmentId) -> bool {
         let content = self.net.fragment(fragment);
         let Some(parent) = content.parent else {
@@ -106,7 +108,7 @@ impl<'n> Solution<'n> {
         self.net
     }
 
-    /// Returns the abstract value of a node's input in a phase of the node's fragment.
+    /// Returns the abstract value of the input with index `input` of a node, in a phase of the node's fragment.
     pub(super) fn input(&self, id: NodeId, input: usize, phase: usize) -> ReadValue {
         let node = self.net.node(id);
         match &node.inputs[input] {
@@ -121,7 +123,7 @@ impl<'n> Solution<'n> {
         }
     }
 
-    /// Returns the abstract value of a flow for a reader in a phase of fragment `from`.
+    /// Returns the abstract value of a port for a read in the given phase of the fragment `from`.
     pub(super) fn value_for(&self, port: PortRef, from: FragmentId, phase: usize) -> ReadValue {
         let source = self.net.node(port.node).fragment;
         let known = &self.values[port.node.index()];
@@ -151,7 +153,8 @@ impl<'n> Solution<'n> {
         }
     }
 
-    /// Returns the conditions that hold while fragment `from` is active, up to the enclosing fragment `around`.
+    /// Returns the conditions that hold while the fragment `from` is active: the activation conditions of the fragments
+    /// from `from` outwards, up to but not including `around`, with their consequences.
     fn activations(&self, from: FragmentId, around: FragmentId) -> Vec<Condition> {
         let way = self.net.ancestors(from).take_while(|at| *at != around);
         let conditions = way.filter_map(|at| match self.net.fragment(at).activation {
@@ -161,7 +164,8 @@ impl<'n> Solution<'n> {
         conditions.flatten().collect()
     }
 
-    /// Returns the innermost fragment that encloses both, and its possible phases.
+    /// Returns the innermost fragment that encloses both `from` and `to`, and its possible phases while `from` is in
+    /// the given phase.
     fn common_ancestor(
         &self,
         from: FragmentId,
@@ -182,8 +186,8 @@ impl<'n> Solution<'n> {
         (at, phases)
     }
 
-    /// Returns the possible phases of an inner fragment while an outer one is in one of `phases`, and the activity on
-    /// the way.
+    /// Returns the possible phases of the fragment `to` while the fragment `from`, which encloses it, is in one of the
+    /// phases `phases`. Also returns whether the fragments in between are active.
     fn inner_phases(
         &self,
         from: FragmentId,
@@ -210,7 +214,8 @@ impl<'n> Solution<'n> {
         (phases, there)
     }
 
-    /// Returns the condition under which the fragment of a flow is active, if it is a child of the reader's fragment.
+    /// Returns the condition under which the fragment of a port is active, if that fragment is a child of the fragment
+    /// `reader`; `None` otherwise.
     pub(super) fn condition_of(&self, port: PortRef, reader: FragmentId) -> Option<Condition> {
         let fragment = self.net.fragment(self.net.node(port.node).fragment);
         match fragment.activation {
@@ -221,12 +226,13 @@ impl<'n> Solution<'n> {
         }
     }
 
-    /// Returns the transfer function of a node.
+    /// Returns the transfer function of a node in the analysis of initialisation.
     pub(super) fn rule_of(&self, id: NodeId) -> TransferRule {
         self.rules[id.index()]
     }
 
-    /// Follows a condition through `not` to the port that it negates. Returns that port with the value it must have.
+    /// Returns a condition without negations that is equivalent to the given one: the port behind all `not` operations,
+    /// and the value that it must have.
     pub(super) fn strip_negations(&self, port: PortRef, value: bool) -> Condition {
         let (mut port, mut value) = (port, value);
         while self.rules[port.node.index()] == TransferRule::Not {
@@ -238,7 +244,7 @@ impl<'n> Solution<'n> {
         (port, value)
     }
 
-    /// Returns the conditions that hold if a condition has this value, including itself.
+    /// Returns the conditions that hold if the given port has the given value. The given condition is one of them.
     pub(super) fn implied_conditions(&self, port: PortRef, value: bool) -> Vec<Condition> {
         let (mut all, mut open) = (Vec::new(), vec![self.strip_negations(port, value)]);
         let mut seen = FastSet::default();
@@ -259,7 +265,7 @@ impl<'n> Solution<'n> {
         all
     }
 
-    /// Records the values that a claim states for flows of its own fragment.
+    /// Records the values that a claim taken as true gives to flows of its own fragment.
     fn claim(&mut self, claim: PortRef) {
         for phase in 0..PHASES {
             let mut open = vec![(claim, true)];
@@ -320,7 +326,7 @@ impl ReadValue {
     }
 }
 
-/// Returns the phases whose last value a delay outputs in a phase.
+/// Returns the phases in which a delay can have read the value that it outputs in the given phase.
 pub(super) fn previous_phases(phase: usize) -> &'static [usize] {
     const BEFORE: PerPhase<&[usize]> = [&[], &[0], &[1], &[2], &[LAST_PHASE - 1, LAST_PHASE]];
     BEFORE[phase]

@@ -7,8 +7,8 @@ use rpi_net::{Activation, FragmentId, Net, NodeId};
 use std::cmp::Reverse;
 use std::collections::BinaryHeap;
 
-/// Returns for each node its position in a topological order, sources first. Dependency cycles are cut at an arbitrary
-/// node.
+/// Returns for each node its position in an order in which each node comes after the nodes that it reads. Dependency
+/// cycles are cut at an arbitrary node.
 fn topological_order(net: &Net) -> Vec<u32> {
     let mut place = vec![u32::MAX; net.nodes.len()];
     let mut next = 0;
@@ -39,13 +39,14 @@ fn topological_order(net: &Net) -> Vec<u32> {
     place
 }
 
-/// Worklist of nodes, sources first: all of them once, then those that were added again.
+/// Nodes to be evaluated: first all nodes of a net once, each after the nodes that it reads, then the nodes that were
+/// added again.
 pub(super) struct Worklist {
     order: Vec<u32>,
     sorted: Vec<NodeId>,
-    /// Number of nodes that have been returned for the first time.
+    /// Number of nodes of the first round that have been returned.
     visited_count: u32,
-    /// For each position in the order, whether its node is queued again.
+    /// For each position in the order, whether its node is queued for a further evaluation.
     is_queued: Vec<bool>,
     queue: BinaryHeap<Reverse<u32>>,
 }
@@ -80,7 +81,7 @@ impl Worklist {
         Some(self.sorted[place])
     }
 
-    /// Queues nodes again. Nodes that the first round has still to return are not queued.
+    /// Adds nodes for a further evaluation. Nodes that the first round has not returned yet are not added.
     pub(super) fn add(&mut self, nodes: &[NodeId]) {
         for id in nodes {
             let place = self.order[id.index()];
@@ -93,11 +94,11 @@ impl Worklist {
     }
 }
 
-/// Readers of the flows of nodes, and nodes that depend on fragments.
+/// Dependencies of a net: for each node, the nodes that read its outputs, and the fragments that it activates.
 pub(super) struct Dependents {
     users: Readers,
     activated_by: FastMap<NodeId, Vec<FragmentId>>,
-    /// For each fragment, the nodes that read flows across its border.
+    /// For each fragment, the nodes that read flows from the other side of its border.
     across: Vec<Vec<NodeId>>,
 }
 

@@ -15,14 +15,15 @@ use rpi_syntax::{Dialect, Name};
 use std::cell::Cell;
 
 impl<'a> Program<'a> {
-    /// Collects the declarations of a program and reports errors in their names. The first source is the root module.
-    /// Modules named by `use` that are missing from the sources are reported.
+    /// Collects the declarations of a program, and reports errors in their names. The first source is the root module,
+    /// which is compiled. Modules in `use` clauses that are not among the sources are reported.
     #[must_use]
     pub fn collect(sources: &[Source<'a>]) -> (Program<'a>, Vec<Diagnostic>) {
         Program::collect_with_library(sources, Library::EMPTY)
     }
 
-    /// Like [`collect`](Self::collect), with a library of modules that the program could use.
+    /// Collects the declarations of a program, and reports errors in their names, as [`collect`](Self::collect) does.
+    /// `library` lists the modules that the program could use, for suggestions.
     #[must_use]
     pub fn collect_with_library(
         sources: &[Source<'a>],
@@ -55,7 +56,7 @@ impl<'a> Program<'a> {
 
 struct Collector<'a> {
     library: Library,
-    /// Dialect of the current file: RPI or Lustre.
+    /// Language of the file whose declarations are being collected: RPI or Lustre.
     mode: Dialect,
     modules: Vec<Module>,
     decls: Vec<Decl<'a>>,
@@ -144,8 +145,8 @@ impl<'a> Collector<'a> {
         self.declare(&signature.name, doc, kind);
     }
 
-    /// Returns whether the static parameters have unique names, and reports duplicates. A declaration with duplicates
-    /// is not checked further, because its names are ambiguous.
+    /// Returns whether the static parameters and ports of a declaration have unique names. Reports duplicates. A
+    /// declaration with duplicates is not checked further, because its names are ambiguous.
     fn check_unique_names(&mut self, statics: &[StaticParam], ports: &[&[VarDecl]]) -> bool {
         let statics = static_params(statics);
         let ports = ports.iter().flat_map(|ports| ports.iter());
@@ -219,7 +220,7 @@ impl<'a> Collector<'a> {
         }
     }
 
-    /// Adds a declaration that cannot be found by name.
+    /// Adds a declaration to the current module, without making it visible by its name, and returns its index.
     fn push_decl(&mut self, name: &Ident, doc: Option<&'a Doc>, kind: DeclKind<'a>) -> DeclId {
         let module = ModuleId(u32::try_from(self.modules.len() - 1).unwrap_or(u32::MAX));
         self.decls.push(Decl {
@@ -273,7 +274,7 @@ fn last_id(decls: &[Decl<'_>]) -> DeclId {
     DeclId(u32::try_from(decls.len() - 1).unwrap_or(u32::MAX))
 }
 
-/// Creates the error for a name that is declared a second time.
+/// Returns the error for a name that is declared a second time. `again` and `first` are the two locations.
 pub(crate) fn duplicate_name_error(name: &Name, again: Span, first: Span) -> Diagnostic {
     Diagnostic::new(Code::RPI1002, format!("`{name}` is declared twice"))
         .primary(again, "declared again here")

@@ -4,7 +4,7 @@ use crate::program::{DeclId, DeclKind, Module, ModuleId, ModuleUse, NameSpace, P
 use rpi_diag::{Code, Diagnostic, Fix, Span};
 use rpi_syntax::{Dialect, Name};
 
-/// Result of a name lookup.
+/// Result of looking up a name in a module.
 #[derive(Clone, PartialEq, Eq, Debug)]
 pub enum Lookup {
     /// The name refers to this declaration.
@@ -14,7 +14,7 @@ pub enum Lookup {
 }
 
 impl Program<'_> {
-    /// Looks up a name in a module: plain, or qualified by a module (`motion::Line`).
+    /// Looks up a name as it is seen in the module `from`: a plain name, or one qualified by a module (`motion::Line`).
     #[must_use]
     pub fn lookup(&self, from: ModuleId, name: &Name) -> Lookup {
         let module = self.module(from);
@@ -25,7 +25,8 @@ impl Program<'_> {
         }
     }
 
-    /// Looks up a name in one name space. In Lustre a name can have a different meaning in each name space.
+    /// Looks up a name in one name space, as it is seen in the module `from`. In Lustre, a name can have a different
+    /// meaning in each name space.
     #[must_use]
     pub fn lookup_in(&self, space: NameSpace, from: ModuleId, name: &Name) -> Lookup {
         match self.module(from).spaces[space as usize].get(name) {
@@ -34,7 +35,8 @@ impl Program<'_> {
         }
     }
 
-    /// Looks up a name among the declarations of the module itself.
+    /// Returns the declaration with this name in the module itself, without the modules that it uses; `None` if there
+    /// is none.
     #[must_use]
     pub fn lookup_own(&self, module: ModuleId, name: &Name) -> Option<DeclId> {
         self.module(module).names.get(name).copied()
@@ -63,7 +65,8 @@ impl Program<'_> {
         Lookup::Found(id)
     }
 
-    /// Returns an error for each name that was found in two used modules. Neither takes precedence.
+    /// Returns an error for each name that was looked up and that two used modules declare. Neither declaration takes
+    /// precedence.
     pub(crate) fn ambiguous_name_errors(&self) -> Vec<Diagnostic> {
         let clashes = self.ambiguous_names.borrow();
         let clash = |((first, name), other): (&(Span, Name), &Span)| {
@@ -80,7 +83,8 @@ impl Program<'_> {
         clashes.iter().map(clash).collect()
     }
 
-    /// Returns a warning for each module that the root module uses and in which no name has been found so far.
+    /// Returns a warning for each module that the root module uses although no name of it has been looked up
+    /// successfully so far.
     pub(crate) fn unused_module_warnings(&self) -> impl Iterator<Item = Diagnostic> + '_ {
         let uses = self.root().uses.iter();
         let unused = uses.filter(|used| !used.is_used.get());
@@ -93,7 +97,8 @@ impl Program<'_> {
         })
     }
 
-    /// Span to delete for an unused module: the whole `use` clause, or the name and a comma.
+    /// Returns the span to be deleted for an unused module: the whole `use` clause if it names one module, else the
+    /// name and a comma.
     fn unused_use_span(&self, used: &ModuleUse) -> Span {
         let uses = self.root().uses.iter();
         let beside: Vec<&ModuleUse> = uses
@@ -121,14 +126,14 @@ impl Program<'_> {
         }
     }
 
-    /// Returns the modules in which the undeclared names of a module are looked up, in this order.
+    /// Returns the modules in which the names that a module does not declare are looked up, in this order.
     pub fn lookup_modules(&self, module: ModuleId) -> impl Iterator<Item = ModuleId> + '_ {
         let module = self.module(module);
         let used = module.uses.iter().map(|used| used.module);
         used.chain(self.implicit_of(module).iter().copied())
     }
 
-    /// Returns the modules that a module uses implicitly; none in Lustre.
+    /// Returns the modules that a module uses without a `use` clause; none in Lustre.
     fn implicit_of(&self, module: &Module) -> &[ModuleId] {
         match module.mode {
             Dialect::Rpi => &self.implicit,
@@ -150,7 +155,8 @@ impl Program<'_> {
         found.map_or(Lookup::Missing, |id| Lookup::Found(*id))
     }
 
-    /// Returns the names of visible declarations for which `fits` holds, for "did you mean".
+    /// Returns the names of the declarations that are visible in the module `from` and for which `fits` returns true,
+    /// for suggestions of similar names.
     pub fn visible_names(
         &self,
         from: ModuleId,

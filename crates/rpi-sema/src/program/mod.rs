@@ -21,16 +21,16 @@ use rpi_syntax::{Dialect, Name};
 use std::cell::{Cell, RefCell};
 use std::collections::BTreeMap;
 
-/// Parsed files of one module.
+/// Parsed files of one module, from which its declarations are collected.
 #[derive(Clone, Debug)]
 pub struct Source<'a> {
-    /// Name of the module in `use`.
+    /// Name of the module, by which `use` clauses refer to it.
     pub name: Name,
-    /// Dialect of the module's own file. An included file may have another one.
+    /// Language of the module's own file: RPI or Lustre. A file that it includes may be in the other language.
     pub mode: Dialect,
     /// File of the module, then the files that it includes.
     pub files: Vec<&'a File>,
-    /// Whether every `.rpi` module uses it implicitly.
+    /// Whether every RPI module uses this module without a `use` clause.
     pub implicit: bool,
 }
 
@@ -42,18 +42,18 @@ pub struct ModuleId(pub u32);
 #[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Debug)]
 pub struct DeclId(pub u32);
 
-/// Declaration with a name: its kind, location and syntax tree.
+/// Declaration of a name: its kind, location and syntax tree.
 #[derive(Clone, Debug)]
 pub struct Decl<'a> {
     /// Name of the declaration.
     pub name: Name,
-    /// Span of the name.
+    /// Location of the declared name.
     pub span: Span,
-    /// Doc comment above the declaration.
+    /// Doc comment above the declaration, if there is one.
     pub doc: Option<&'a Doc>,
-    /// Module of the declaration.
+    /// Module that contains the declaration.
     pub module: ModuleId,
-    /// Dialect of the file that contains the declaration.
+    /// Language of the file that contains the declaration: RPI or Lustre.
     pub mode: Dialect,
     /// Kind and syntax tree of the declaration.
     pub kind: DeclKind<'a>,
@@ -62,46 +62,46 @@ pub struct Decl<'a> {
 /// Kind of a declaration, with its syntax tree.
 #[derive(Clone, Copy, Debug)]
 pub enum DeclKind<'a> {
-    /// Constant.
+    /// Constant, declared by `const`.
     Const(&'a ConstDef),
-    /// Declaration of a type: `type Speed = real[m/s];`.
+    /// Type, such as `type Speed = real[m/s];`.
     Type(&'a TypeDef),
     /// One of the named values of an enum, which is a constant of its type.
     EnumValue {
-        /// Declaration of the enum.
+        /// Declaration of the enum that has this value.
         ty: DeclId,
-        /// Index among the values of the enum, in text order.
+        /// Index of this value among the values of the enum, in text order.
         index: u32,
     },
-    /// Constructor of a `datatype`.
+    /// Alternative of a `datatype`, which is called to construct a value of the type.
     Constructor {
-        /// Declaration of the type.
+        /// Declaration of the `datatype`.
         ty: DeclId,
-        /// Index among the constructors of the type, in text order.
+        /// Index of this alternative among the alternatives of the type, in text order.
         index: u32,
     },
-    /// Node or function.
+    /// Node, function or contract.
     Node(&'a NodeDecl),
-    /// Declaration of a fragment, a net that may be inactive.
+    /// Fragment: a net that may be inactive as a whole.
     Fragment(&'a FragmentDecl),
-    /// Signature of a registered primitive, with units and frames.
+    /// Declared ports, with units and frames, of a primitive (basic operation) of the registry.
     Primitive(&'a PrimitiveDecl),
-    /// Device type.
+    /// Device type, with its actuator and sensor ports.
     Device(&'a DeviceDecl),
-    /// Coordinate frame.
+    /// Coordinate frame, possibly placed in another frame.
     Frame(&'a FrameDecl),
-    /// Declaration of a command, which the control core runs.
+    /// Command: the unit that the control core runs.
     Command(&'a CommandDecl),
-    /// Declaration of a task, a program of commands.
+    /// Task: a program of commands.
     Task(&'a TaskDecl),
     /// Test. Its title is not a name that can be looked up.
     Test(&'a TestDecl),
-    /// Declaration with a syntax error. Its name is kept so that uses of it are not reported as undefined.
+    /// Declaration with a syntax error. Its name is declared so that uses of the name are not reported as undefined.
     Broken(DeclaredKind),
 }
 
 impl DeclKind<'_> {
-    /// Returns the kind in words, with an article.
+    /// Returns the kind of the declaration in words with an article, such as "a node".
     #[must_use]
     pub fn description(&self) -> &'static str {
         match self {
@@ -125,32 +125,34 @@ impl DeclKind<'_> {
 #[derive(Debug)]
 struct ModuleUse {
     module: ModuleId,
-    /// Span of the module's name, and span of the whole `use` clause.
+    /// Location of the module's name in the `use` clause.
     name: Span,
     clause_span: Span,
-    /// Whether a name has been found in the module.
+    /// Whether a name has been found in the used module so far.
     is_used: Cell<bool>,
 }
 
-/// Source file of a program or of the library, with the names that it declares.
+/// Module: a source file of a program or of the library, with the names that it declares.
 #[derive(Debug)]
 pub struct Module {
-    /// Name of the module.
+    /// Name of the module, by which `use` clauses refer to it.
     pub name: Name,
-    /// Syntax mode of the module's file.
+    /// Language of the module's file: RPI or Lustre.
     pub mode: Dialect,
-    /// Declarations in text order.
+    /// Declarations of the module in text order.
     pub decls: Vec<DeclId>,
-    /// Modules that the module uses, in text order.
+    /// Modules that `use` clauses of this module name, in text order.
     uses: Vec<ModuleUse>,
-    /// Whether the module uses a module that does not exist. Undefined names may then be a consequence.
+    /// Whether a `use` clause names a module that does not exist. Undefined names in the module may then be a
+    /// consequence.
     pub lacks_use: bool,
     names: FastMap<Name, DeclId>,
-    /// In Lustre, the names of each name space: a type and a node may have the same name.
+    /// Declarations by name for each name space, because in Lustre a type and a node may have the same name. Empty for
+    /// RPI modules.
     spaces: [FastMap<Name, DeclId>; NameSpace::COUNT],
 }
 
-/// Name space of a lookup. In Lustre each has separate names.
+/// Name space in which a name is looked up. In Lustre, each name space has separate names.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub enum NameSpace {
     /// Name space of constants and values of enums.
@@ -166,7 +168,7 @@ pub enum NameSpace {
 impl NameSpace {
     const COUNT: usize = 4;
 
-    /// Returns the name space of a declaration.
+    /// Returns the name space to which a declaration of this kind belongs.
     fn of_decl(kind: &DeclKind<'_>) -> NameSpace {
         match kind {
             DeclKind::Type(_) | DeclKind::Device(_) | DeclKind::Broken(DeclaredKind::Type) => {
@@ -179,29 +181,31 @@ impl NameSpace {
     }
 }
 
-/// All declarations of a program.
+/// All declarations of a program, with its modules. Other passes look up names in it.
 #[derive(Debug)]
 pub struct Program<'a> {
-    /// Modules of the program. The first one is the root module.
+    /// Modules of the program. The first one is the root module, the module of the compiled file.
     pub modules: Vec<Module>,
     /// Declarations of all modules.
     pub decls: Vec<Decl<'a>>,
-    /// Modules that every `.rpi` module uses implicitly.
+    /// Modules that every RPI module uses without a `use` clause.
     implicit: Vec<ModuleId>,
-    /// Ambiguous names: span of the first `use` and the name, mapped to the span of the second `use`.
+    /// Names that were looked up and that two used modules declare: the location of the module's name in the first
+    /// `use` and the name, with the location in the second `use`.
     ambiguous_names: RefCell<BTreeMap<(Span, Name), Span>>,
-    /// Modules that the program could use, for suggestions.
+    /// Modules that the program could use, whether it does or not, for suggestions.
     pub library: Library,
-    /// Extents of all declarations, in the order of the files.
+    /// Locations of all declarations as a whole, in the order of the files.
     pub extents: Vec<Extent>,
 }
 
-/// Location of a declaration as a whole.
+/// Location of a declaration as a whole, including its body.
 #[derive(Clone, Copy, Debug)]
 pub struct Extent {
-    /// Span of the whole declaration.
+    /// Span of the whole declaration, including its body.
     pub span: Span,
-    /// Whether the declaration is compiled to units. An error inside it then affects only these units.
+    /// Whether the declaration is compiled to units (nodes, commands and the like). An error inside of it then affects
+    /// only these units.
     pub is_of_units: bool,
 }
 
@@ -219,17 +223,17 @@ impl Extent {
     }
 }
 
-/// Modules that a program could use, whether it does or not.
+/// Library modules that a program could use, whether it does or not.
 #[derive(Clone, Copy, Debug)]
 pub struct Library {
-    /// Returns the names of the modules.
+    /// Returns the names of all library modules.
     pub modules: fn() -> Vec<&'static str>,
-    /// Returns the module that declares a name.
+    /// Returns the library module that declares a name; `None` if none does.
     pub declaring: fn(&str) -> Option<&'static str>,
 }
 
 impl Library {
-    /// Library without modules.
+    /// Library without any modules.
     pub const EMPTY: Library = Library {
         modules: Vec::new,
         declaring: |_| None,
@@ -249,22 +253,22 @@ impl<'a> Program<'a> {
         &self.modules[id.0 as usize]
     }
 
-    /// Returns whether a module of the program hides the library module of the same name and does not declare `name`. A
-    /// `use` of that module would then not make the name available.
+    /// Returns whether a module of the program hides the library module with the same name and does not declare `name`.
+    /// A `use` of the module would then not make the name available.
     #[must_use]
     pub fn is_hidden(&self, module: &str, name: &str) -> bool {
         let same = self.modules.iter().find(|other| other.name == *module);
         same.is_some_and(|other| !other.names.contains_key(name))
     }
 
-    /// Returns the total length of the declarations in bytes. Size limits grow with it.
+    /// Returns the total length of the declarations in bytes of source text. Size limits grow with it.
     #[must_use]
     pub fn text_len(&self) -> usize {
         let lengths = self.extents.iter().map(|extent| extent.span);
         lengths.map(|span| (span.end - span.start) as usize).sum()
     }
 
-    /// Returns the module of the file that was compiled; the others are the modules that it uses.
+    /// Returns the root module, the module of the file that was compiled. The other modules are those that it uses.
     #[must_use]
     pub fn root(&self) -> &Module {
         &self.modules[0]

@@ -7,17 +7,17 @@ use rpi_prims::PrimId;
 /// Predeclared name of the language, with its documentation for editors.
 #[derive(Clone, PartialEq, Eq, Debug)]
 pub struct Builtin {
-    /// Name by which programs refer to the predeclared item.
+    /// Name by which programs use the predeclared item.
     pub name: &'static str,
-    /// Syntax of a use: `time: real[s]`, `hold(x, init)`.
+    /// Syntax of a use, such as `time: real[s]` or `hold(x, init)`.
     pub usage: String,
-    /// Description.
+    /// Description of what the name means, for editors.
     pub doc: String,
-    /// Whether the name is used like a function.
+    /// Whether the name is used in call syntax, like a function.
     pub is_call: bool,
 }
 
-/// Operators with call syntax: name, usage, description.
+/// Predeclared operators in call syntax: name, syntax of a use, and description.
 const CALL_OPERATORS: &[(&str, &str, &str)] = &[
     (
         "present",
@@ -104,7 +104,7 @@ const CALL_OPERATORS: &[(&str, &str, &str)] = &[
     ),
 ];
 
-/// Conversions to machine integers, as written in `.lus` files.
+/// Conversions to machine integers in Lustre: name, and syntax of a use.
 const MACHINE_CONVERSIONS: [(&str, &str); 10] = [
     ("int8", "(int8 x)"),
     ("int16", "(int16 x)"),
@@ -118,7 +118,7 @@ const MACHINE_CONVERSIONS: [(&str, &str); 10] = [
     ("uint", "(uint@<n> x)"),
 ];
 
-/// Returns all predeclared names of a `.rpi` file, in a fixed order.
+/// Returns all predeclared names of a program, in a fixed order.
 pub fn builtins() -> impl Iterator<Item = Builtin> {
     let none = Builtin {
         name: "none",
@@ -141,14 +141,15 @@ pub fn builtins() -> impl Iterator<Item = Builtin> {
     flows().chain([none]).chain(calls).chain(machine)
 }
 
-/// Returns the predeclared name `name`.
+/// Returns the predeclared item with this name; `None` if there is none.
 #[must_use]
 pub fn builtin(name: &str) -> Option<Builtin> {
     let mut all = builtins().chain(constraints());
     all.find(|builtin| builtin.name == name)
 }
 
-/// Returns the constraints of type parameters, which are not allowed anywhere else.
+/// Returns the constraints of type parameters, such as `number`, as predeclared items. They are allowed only after the
+/// name of a type parameter.
 fn constraints() -> impl Iterator<Item = Builtin> {
     check::constraints().map(|(name, admitted)| Builtin {
         name,
@@ -167,7 +168,7 @@ fn flows() -> impl Iterator<Item = Builtin> {
     })
 }
 
-/// Returns the components of a spatial value that are read by name.
+/// Returns the names of the parts of a spatial type (vector, pose and the like) that can be read by name.
 pub fn spatial_parts(scalar: Scalar) -> impl Iterator<Item = &'static str> {
     check::spatial_parts(scalar)
 }

@@ -4,35 +4,36 @@ use rpi_diag::Span;
 use rpi_syntax::Name;
 use rpi_syntax::ast::Doc;
 
-/// Identifies a definition of the program by its index.
+/// Number of a definition in the index of all definitions of a program.
 #[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Debug)]
 pub struct DefId(pub u32);
 
-/// Declaration or definition of a name, as editors and the reference see it.
+/// Definition of a name in a program, as editors and generated documentation see it.
 #[derive(Clone, Debug)]
 pub struct Def {
     /// Name as the declaration writes it.
     pub name: Name,
-    /// Whether the definition is a node, a flow, a type or something else.
+    /// Kind of the definition, such as node, flow or type.
     pub kind: DefKind,
     /// Span of the name in the declaration.
     pub span: Span,
-    /// Span of the whole declaration, with its body.
+    /// Span of the whole declaration, including its body.
     pub full_span: Span,
-    /// Doc comment above the declaration.
+    /// Doc comment above the declaration, if there is one.
     pub doc: Option<Doc>,
-    /// Enclosing definition.
+    /// Definition that contains this one; `None` for a module.
     pub parent: Option<DefId>,
-    /// Span of the declared type, if there is one.
+    /// Span of the declared type; `None` if the declaration has none.
     pub ty: Option<Span>,
-    /// Definition whose members this one has: a device type, a struct, or the callee of an equation.
+    /// Definition whose members this definition has, such as its struct or device type, or the callee of its equation;
+    /// `None` if there is none.
     pub shape: Option<DefId>,
 }
 
 /// Kinds of definitions that editors distinguish by colour and icon.
 #[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Debug)]
 pub enum DefKind {
-    /// Module: a file, as named by `use`.
+    /// Module: a source file, as named by `use`.
     Module,
     /// Constant, declared by `const`.
     Const,
@@ -46,19 +47,19 @@ pub enum DefKind {
     Node,
     /// Function, declared by `function`.
     Function,
-    /// `fragment` declared at the top level.
+    /// Fragment declared at the top level of a module, by `fragment`.
     Fragment,
     /// Primitive, declared by `primitive`.
     Primitive,
     /// Device type, declared by `device`.
     Device,
-    /// Port of a device.
+    /// Actuator or sensor port of a device.
     Port,
     /// Coordinate frame, declared by `frame`.
     Frame,
     /// Command, declared by `command`.
     Command,
-    /// Result with which a command ends.
+    /// Named result with which a command can end.
     Result,
     /// Task, declared by `task`.
     Task,
@@ -66,25 +67,25 @@ pub enum DefKind {
     Step,
     /// Test, declared by `test`.
     Test,
-    /// Static parameter, in `<<...>>`.
+    /// Static parameter, declared in `<<...>>`.
     StaticParam,
     /// Parameter of a command or task.
     Param,
-    /// In-port.
+    /// In-port of a node, function, fragment or primitive.
     Input,
-    /// Value taken over from the preceding command.
+    /// Value that a command takes over from the preceding command, declared by `given`.
     TakenOver,
-    /// Out-port.
+    /// Out-port of a node, function, fragment or primitive.
     Output,
-    /// Flow inside a body.
+    /// Local flow inside of a body.
     Local,
-    /// Fragment declared inside a body.
+    /// Fragment that is written inside of a body.
     Block,
     /// State of an automaton.
     State,
 }
 
-/// Names of the kinds, in the order of the variants.
+/// Names of the kinds of definitions in words, in the order of the variants.
 const KIND_NAMES: &[(DefKind, &str)] = &[
     (DefKind::Module, "module"),
     (DefKind::Const, "constant"),
@@ -114,20 +115,20 @@ const KIND_NAMES: &[(DefKind, &str)] = &[
 ];
 
 impl DefKind {
-    /// Returns the kind in words.
+    /// Returns the name of the kind in words, such as "device type".
     #[must_use]
     pub fn description(self) -> &'static str {
         KIND_NAMES[self as usize].1
     }
 
-    /// Returns whether definitions of this kind can be called.
+    /// Returns whether definitions of this kind can be called, such as nodes and primitives.
     #[must_use]
     pub fn is_callable(self) -> bool {
         use DefKind::{Fragment, Function, Node, Primitive};
         matches!(self, Node | Function | Fragment | Primitive)
     }
 
-    /// Returns whether definitions of this kind have a value, in a cycle or when a command is loaded.
+    /// Returns whether definitions of this kind have a value, in each cycle or from the time when a command is loaded.
     #[must_use]
     pub fn is_declared_value(self) -> bool {
         use DefKind::{Const, Field, Input, Local, Output, Param, Port, StaticParam, TakenOver};
@@ -137,14 +138,16 @@ impl DefKind {
         )
     }
 
-    /// Returns whether definitions of this kind can be named arguments of a call.
+    /// Returns whether definitions of this kind can be passed by name in a call: static parameters, parameters and
+    /// in-ports.
     #[must_use]
     pub fn is_parameter(self) -> bool {
         use DefKind::{Input, Param, StaticParam, TakenOver};
         matches!(self, StaticParam | Param | Input | TakenOver)
     }
 
-    /// Returns whether definitions of this kind can be read as `parent.name`.
+    /// Returns whether definitions of this kind are members of a definition of the kind `parent`, read as
+    /// `parent.name`.
     #[must_use]
     pub fn is_member_of(self, parent: DefKind) -> bool {
         use DefKind::{Block, Command, Device, Field, Local, Output, Port, Result, State, Type};

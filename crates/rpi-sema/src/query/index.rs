@@ -6,42 +6,43 @@ use crate::query::def::{Def, DefId};
 use rpi_diag::{FileId, Span};
 use rpi_syntax::Name;
 
-/// Occurrence of a name in the source, with the definition that it refers to.
+/// Occurrence of a name in the source, with the definition to which it refers.
 #[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Debug)]
 pub struct Reference {
-    /// Place of the occurrence in the source.
+    /// Location of the occurrence in the source.
     pub span: Span,
-    /// Definition that the name refers to there.
+    /// Definition to which the name refers.
     pub def: DefId,
 }
 
-/// Identifies a scope of names by its index.
+/// Index of a scope of names in the index of a program.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub(super) struct ScopeId(pub(super) u32);
 
-/// Scope of names: a module, or a declaration with a body.
+/// Scope of names: that of a module, or of a declaration with a body.
 #[derive(Debug)]
 pub(super) struct Scope {
-    /// Source range of the scope; for a module, its whole first file.
+    /// Source range of the scope; for a module, the start of its first file only.
     pub(super) span: Span,
-    /// Enclosing scope.
+    /// Scope around this one; `None` for a module.
     pub(super) parent: Option<ScopeId>,
-    /// Definition whose inner scope this is.
+    /// Definition to whose inside the scope belongs.
     pub(super) owner: Option<DefId>,
-    /// Definitions of the names in the scope.
+    /// Definitions of the scope by name. If there are several of one name, the first one is listed.
     pub(super) names: FastMap<Name, DefId>,
-    /// Definitions in text order.
+    /// Definitions of the scope in text order.
     pub(super) order: Vec<DefId>,
-    /// Scopes of the modules that a module uses, for names that no enclosing scope defines.
+    /// For the scope of a module, the scopes of the modules that it uses. Names that no enclosing scope defines are
+    /// looked up in them.
     pub(super) uses: Vec<ScopeId>,
 }
 
-/// Scopes inside a definition, in which its members and parameters are found.
+/// Scopes inside of a definition, in which its members and its parameters are found.
 #[derive(Clone, Copy, Default, Debug)]
 pub(super) struct InnerScopes {
-    /// Scope that contains the members.
+    /// Scope with the members of the definition; `None` if it has none.
     pub(super) members: Option<ScopeId>,
-    /// Scope that contains the parameters.
+    /// Scope with the parameters of the definition; `None` if it has none.
     pub(super) parameters: Option<ScopeId>,
 }
 
@@ -52,32 +53,33 @@ pub struct Index {
     /// References in text order.
     pub(super) references: Vec<Reference>,
     pub(super) scopes: Vec<Scope>,
-    /// Inner scopes of each definition.
+    /// Inner scopes of each definition, indexed by definition.
     pub(super) inner_scopes: Vec<InnerScopes>,
-    /// Scope of the module of each file.
+    /// For each file, the scope of the module to which it belongs.
     pub(super) files: Vec<(FileId, ScopeId)>,
 }
 
 impl Index {
-    /// Builds the table of a program. `sources` must be those from which the program was collected.
+    /// Builds the index of a program. `sources` must be those from which the program was collected.
     #[must_use]
     pub fn build<'a>(program: &Program<'a>, sources: &[Source<'a>]) -> Index {
         crate::query::build::build(program, sources)
     }
 
-    /// Returns the definition that an id of this index denotes.
+    /// Returns the definition with this index.
     #[must_use]
     pub fn def(&self, id: DefId) -> &Def {
         &self.defs[id.0 as usize]
     }
 
-    /// Returns all definitions of a file, parents before their children.
+    /// Returns all definitions in a file, each after the definition that contains it.
     pub fn defs_in(&self, file: FileId) -> impl Iterator<Item = (DefId, &Def)> {
         let all = (0..).map(DefId).zip(&self.defs);
         all.filter(move |(_, def)| def.span.file == file)
     }
 
-    /// Returns the reference at a position, including the positions at both ends of the name.
+    /// Returns the occurrence of a name at a position, given as a byte offset; `None` if there is none. The positions
+    /// at both ends of the name count.
     #[must_use]
     pub fn reference_at(&self, file: FileId, offset: u32) -> Option<Reference> {
         let begins = |r: &Reference| (r.span.file, r.span.start) <= (file, offset);
@@ -87,7 +89,7 @@ impl Index {
         holds.then_some(*last)
     }
 
-    /// Returns the references within a span, in text order.
+    /// Returns the occurrences of names within a span, in text order.
     #[must_use]
     pub fn references_in(&self, place: Span) -> &[Reference] {
         let before = |offset: u32| {
@@ -97,19 +99,21 @@ impl Index {
         &self.references[before(place.start)..before(place.end)]
     }
 
-    /// Returns the spans of all occurrences of a definition's name, in text order.
+    /// Returns the spans of all occurrences of the name of a definition, in text order.
     pub fn references(&self, def: DefId) -> impl Iterator<Item = Span> + '_ {
         let all = self.references.iter();
         all.filter(move |r| r.def == def).map(|r| r.span)
     }
 
-    /// Resolves a name as if it occurred at a position.
+    /// Returns the definition to which a name would refer at a position, given as a byte offset; `None` if it is
+    /// undefined there.
     #[must_use]
     pub fn resolve(&self, file: FileId, offset: u32, name: &str) -> Option<DefId> {
         self.lookup(self.scope_at(file, offset)?, name)
     }
 
-    /// Resolves `name` or `name.part` as if it occurred at a position. A part is a member or a parameter.
+    /// Returns the definition to which `name` or `name.part` would refer at a position, given as a byte offset. A part
+    /// is a member or a parameter.
     #[must_use]
     pub fn resolve_path(&self, file: FileId, offset: u32, path: &str) -> Option<DefId> {
         let (first, members) = path.split_once('.').unwrap_or((path, ""));
@@ -124,7 +128,8 @@ impl Index {
         })
     }
 
-    /// Returns all definitions that are visible at a position, nearest first, without shadowed ones.
+    /// Returns all definitions that are visible at a position, given as a byte offset, the nearest ones first.
+    /// Definitions that are hidden by others of the same name are left out.
     #[must_use]
     pub fn visible(&self, file: FileId, offset: u32) -> Vec<DefId> {
         let mut found = Vec::new();
@@ -136,7 +141,7 @@ impl Index {
         found
     }
 
-    /// Returns the definitions that can be read as `definition.name`.
+    /// Returns the members of a definition, which can be read as `definition.name`.
     #[must_use]
     pub fn members(&self, def: DefId) -> Vec<DefId> {
         let owner = self.member_owner(def);
@@ -147,7 +152,8 @@ impl Index {
         order.filter(|id| self.is_member(owner, *id)).collect()
     }
 
-    /// Returns the port, field or local definition with this name inside a definition; `None` if it has none.
+    /// Returns the member with this name of a definition, such as a port, a field or a local flow; `None` if there is
+    /// none.
     #[must_use]
     pub fn member(&self, def: DefId, name: &str) -> Option<DefId> {
         let owner = self.member_owner(def)?;
@@ -156,7 +162,7 @@ impl Index {
         self.is_member(Some(owner), found).then_some(found)
     }
 
-    /// Returns the definitions that can be named arguments of a call: static parameters, then in-ports.
+    /// Returns the definitions that can be passed by name in a call of `def`: static parameters, then in-ports.
     #[must_use]
     pub fn parameters(&self, def: DefId) -> Vec<DefId> {
         let scope = self.inner_scopes(self.resolve_alias(def)).parameters;
@@ -169,7 +175,8 @@ impl Index {
         self.inner_scopes[def.0 as usize]
     }
 
-    /// Resolves an alias: for `node f = g<<3>>;` returns g.
+    /// Returns the callable for which a definition stands: `g` for the alias `node f = g<<3>>;`, else the definition
+    /// itself.
     fn resolve_alias(&self, def: DefId) -> DefId {
         match (self.def(def).kind.is_callable(), self.def(def).shape) {
             (true, Some(shape)) => shape,
@@ -177,7 +184,8 @@ impl Index {
         }
     }
 
-    /// Returns the definition that has the members: the shape of a value, else the definition itself.
+    /// Returns the definition that has the members of `def`: its struct or device type or callee if it has one, else
+    /// `def` itself unless it is a value. `None` if there are no members.
     pub(super) fn member_owner(&self, def: DefId) -> Option<DefId> {
         let shape = self.def(def).shape;
         shape.or_else(|| (!self.def(def).kind.is_declared_value()).then_some(def))
@@ -192,14 +200,15 @@ impl Index {
         &self.scopes[id.0 as usize]
     }
 
-    /// Resolves a name in a scope.
+    /// Returns the definition to which a plain or qualified name refers in a scope; `None` if it is undefined.
     pub(super) fn lookup(&self, scope: ScopeId, name: &str) -> Option<DefId> {
         let mut scopes = self.scope_chain(Some(scope)).into_iter();
         let plain = scopes.find_map(|id| self.scope(id).names.get(name).copied());
         plain.or_else(|| self.qualified(scope, name))
     }
 
-    /// Resolves a qualified name, `motion::Line`.
+    /// Returns the definition to which a name qualified by a module, such as `motion::Line`, refers in a scope; `None`
+    /// if it is undefined.
     fn qualified(&self, scope: ScopeId, name: &str) -> Option<DefId> {
         let (module, rest) = name.split_once("::")?;
         let chain = self.scope_chain(Some(scope));
@@ -211,7 +220,7 @@ impl Index {
         self.scope(found).names.get(rest).copied()
     }
 
-    /// Returns a scope, its enclosing scopes, and the modules used there.
+    /// Returns a scope, the scopes around it from the inside out, and then the scopes of the modules used there.
     fn scope_chain(&self, innermost: Option<ScopeId>) -> Vec<ScopeId> {
         let around = std::iter::successors(innermost, |id| self.scope(*id).parent);
         let mut chain: Vec<ScopeId> = around.collect();
@@ -221,7 +230,8 @@ impl Index {
         chain
     }
 
-    /// Returns the innermost scope at a position.
+    /// Returns the innermost scope at a position, given as a byte offset; `None` if the file is not part of the
+    /// program.
     fn scope_at(&self, file: FileId, offset: u32) -> Option<ScopeId> {
         let holds = |span: Span| span.file == file && span.start <= offset && offset <= span.end;
         let inner = (0..).map(ScopeId).zip(&self.scopes);

@@ -9,12 +9,12 @@ use crate::typed::{ExprId, Flow, FlowId, FlowPresence, Unit};
 use rpi_diag::{FileId, Span};
 use std::collections::BTreeMap;
 
-/// Type of a flow or expression, with its presence.
+/// Type of a flow or expression, with whether it may be absent.
 #[derive(Clone, PartialEq, Debug)]
 pub struct FlowType {
     /// Type of the values while they are present.
     pub ty: Ty,
-    /// Whether the value is absent in some cycles.
+    /// Whether the value may be absent in some cycles.
     pub optional: bool,
 }
 
@@ -24,7 +24,8 @@ impl std::fmt::Display for FlowType {
     }
 }
 
-/// Returns the distinct types of all flows, by the span of the flow's name in its declaration.
+/// Returns the types of all flows, by the location of the flow's name in its declaration. A flow of a generic node may
+/// have several types, one for each instance.
 #[must_use]
 pub fn flow_types(units: &[Unit], facts: &[Facts]) -> BTreeMap<Span, Vec<FlowType>> {
     let mut types: BTreeMap<Span, Vec<FlowType>> = BTreeMap::new();
@@ -52,8 +53,9 @@ fn flow_type(flow: &Flow, id: FlowId, facts: &Facts) -> FlowType {
     }
 }
 
-/// Returns the distinct types of a name at a place where it is read: those of the smallest expression that ends with
-/// the name. A flow of a fragment is always present inside it and may be absent for a reader outside.
+/// Returns the types of a name at a location where it is read, which are those of the smallest expression that ends
+/// with the name. Several instances of a node may give several types. A flow of a fragment is always present inside of
+/// the fragment and may be absent outside of it.
 #[must_use]
 pub fn read_types(units: &[Unit], facts: &[Facts], name: Span) -> Vec<FlowType> {
     let ends = |e: &Expr| {
@@ -66,7 +68,8 @@ pub fn read_types(units: &[Unit], facts: &[Facts], name: Span) -> Vec<FlowType> 
     smallest.map_or_else(Vec::new, |span| types_of_span(units, facts, span))
 }
 
-/// Returns the smallest expression around a position, with its distinct types.
+/// Returns the span of the smallest expression around a position, given as a byte offset, and its types. Several
+/// instances of a node may give several types. `None` if there is no expression.
 #[must_use]
 pub fn type_at(
     units: &[Unit],
@@ -82,7 +85,8 @@ pub fn type_at(
     Some((smallest, types_of_span(units, facts, smallest)))
 }
 
-/// Returns the distinct types of the outermost expression with exactly this span.
+/// Returns the types of the outermost expression with exactly this span. Several instances of a node may give several
+/// types.
 fn types_of_span(units: &[Unit], facts: &[Facts], span: Span) -> Vec<FlowType> {
     let mut types = Vec::new();
     for (unit, facts) in units.iter().zip(facts) {

@@ -6,16 +6,16 @@ use rpi_syntax::Name;
 use std::collections::BTreeMap;
 use std::rc::Rc;
 
-/// Bindings of the free names of a signature in one call: types and frames.
+/// Types and frames that one call gives to the names that the ports of a callee leave open.
 #[derive(Clone, Default, Debug)]
 pub struct Substitution {
-    /// Types bound to the type parameters of the signature.
+    /// Type for each type parameter of the callee that is known so far.
     pub types: BTreeMap<Name, Ty>,
-    /// Frames bound to the free frames of the signature; `None` if not bound yet.
+    /// Frame for each frame name that the ports of the callee do not declare; `None` if it is not known yet.
     pub frames: BTreeMap<Name, Option<Name>>,
 }
 
-/// Reason why a type is not assignable to another.
+/// Reason why a value of one type cannot be assigned where another type is expected.
 #[derive(Clone, PartialEq, Debug)]
 pub enum TypeMismatchError {
     /// The types are of different kinds, such as a real and a Boolean.
@@ -27,24 +27,24 @@ pub enum TypeMismatchError {
         /// Dimension that the value has.
         found: Dimension,
     },
-    /// The types are spatial values in different frames.
+    /// The types are spatial values in different frames, or of different frames.
     Frame {
-        /// Expected frame.
+        /// Frame that the context requires.
         expected: Name,
-        /// Frame found.
+        /// Frame that the value has.
         found: Name,
     },
     /// The types are arrays of different sizes.
     Size {
-        /// Expected number of elements.
+        /// Number of elements that the context requires.
         expected: u32,
-        /// Number of elements found.
+        /// Number of elements that the value has.
         found: u32,
     },
 }
 
 impl TypeMismatchError {
-    /// Returns the mismatch with the expected and the found type exchanged.
+    /// Returns the mismatch for the opposite direction, with the expected and the found type exchanged.
     #[must_use]
     pub fn swapped(self) -> TypeMismatchError {
         match self {
@@ -65,9 +65,11 @@ impl TypeMismatchError {
     }
 }
 
-/// Checks that `found` is assignable to `expected`. Free names of `expected` are bound in `subst`.
+/// Checks that a value of the type `found` can be assigned where `expected` is required. Type parameters and open
+/// frames in `expected` get the types and frames of `found`, which are stored in `subst`.
 ///
 /// # Errors
+///
 /// Returns the reason for the mismatch.
 pub fn check_assignable(
     expected: &Ty,
@@ -99,14 +101,14 @@ pub fn check_assignable(
     }
 }
 
-/// Returns whether the struct type `closed` is an instance of the generic struct `open`, whose parameters are not
-/// bound.
+/// Returns whether the struct type `closed` is an instance of the generic struct `open`, whose type parameters are
+/// still open.
 fn is_instance(closed: &StructTy, open: &StructTy) -> bool {
     open.fields.iter().any(|field| field.ty.has_generic())
         && declaration_name(closed) == declaration_name(open)
 }
 
-/// Returns the name of the struct's declaration, without static arguments.
+/// Returns the name of a struct's declaration, without static arguments; `None` if it is empty.
 fn declaration_name(of: &StructTy) -> Option<&str> {
     of.name.split("<<").next()
 }
@@ -171,8 +173,8 @@ fn check_frame(
     }
 }
 
-/// Checks that a tuple is assignable to another. Tuples are flat: `(a, (b, c))` has the same leaves in the same order
-/// as `(a, b, c)`.
+/// Checks that a value of one tuple type can be assigned where another tuple type is required. Nesting does not matter:
+/// `(a, (b, c))` has the same elements in the same order as `(a, b, c)`.
 fn check_tuples(
     expected: &[Member],
     found: &[Member],
@@ -221,9 +223,11 @@ fn check_members(
     pairs.try_for_each(|(a, b)| check_assignable(&a.ty, &b.ty, subst))
 }
 
-/// Returns the type of a value that has both types. Parts unknown in one type are taken from the other.
+/// Returns the common type of two values, such as the branches of an `if`. Parts that are unknown in one type are taken
+/// from the other.
 ///
 /// # Errors
+///
 /// Returns the reason if the types do not match.
 pub fn join(a: &Ty, b: &Ty) -> Result<Ty, TypeMismatchError> {
     check_assignable(a, b, &mut Substitution::default())?;
@@ -245,7 +249,7 @@ pub fn join(a: &Ty, b: &Ty) -> Result<Ty, TypeMismatchError> {
     })
 }
 
-/// Returns the more specific of two compatible dimensions: an angle rather than a plain number.
+/// Returns the more specific of two compatible dimensions: an angle is more specific than a plain number.
 fn join_dim(a: Dimension, b: Dimension) -> Dimension {
     match a == Dimension::ONE {
         true => b,
@@ -262,7 +266,8 @@ fn join_geometry(a: &Geometry, b: &Geometry) -> Geometry {
 }
 
 impl Ty {
-    /// Returns the type with the free names of a signature replaced by their bindings.
+    /// Returns the type with type parameters and open frames replaced by those in `subst`. A type parameter without a
+    /// type there becomes unknown.
     #[must_use]
     pub fn substituted(&self, subst: &Substitution) -> Ty {
         let members = |members: &[Member]| -> Vec<Member> {

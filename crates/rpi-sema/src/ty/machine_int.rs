@@ -2,20 +2,20 @@
 
 use std::fmt;
 
-/// Width and sign of a machine integer.
+/// Machine integer type of Kind 2: its number of bits, and whether it is signed.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub struct MachineInt {
     /// Number of bits, from 1 to 64.
     pub bits: u8,
-    /// Whether the type is signed.
+    /// Whether the type is signed (two's complement).
     pub signed: bool,
 }
 
 impl MachineInt {
-    /// Greatest number of bits.
+    /// Maximum number of bits that is supported.
     pub const MAX_BITS: i64 = 64;
 
-    /// Creates the type `sint<N>` or `uint<N>`; none if the number of bits is out of range.
+    /// Creates the type `sint<N>` or `uint<N>` with `bits` bits; `None` if the number of bits is out of range.
     #[must_use]
     pub fn new(signed: bool, bits: i64) -> Option<MachineInt> {
         let bits = u8::try_from(bits).ok()?;
@@ -23,7 +23,7 @@ impl MachineInt {
         is_some.then_some(MachineInt { bits, signed })
     }
 
-    /// Returns the type with a common name, `int8`, `uint64`.
+    /// Returns the type with a common name such as `int8` or `uint64`; `None` for other names.
     #[must_use]
     pub fn from_name(name: &str) -> Option<MachineInt> {
         let (signed, bits) = match name.strip_prefix("uint") {
@@ -34,7 +34,8 @@ impl MachineInt {
         Some(MachineInt { bits, signed })
     }
 
-    /// Returns the width as the primitives expect it: the number of bits, negative for a signed type.
+    /// Returns the width in the form in which primitives take it as a parameter: the number of bits, negative for a
+    /// signed type.
     #[must_use]
     pub fn width_literal(self) -> i64 {
         match self.signed {
@@ -43,7 +44,7 @@ impl MachineInt {
         }
     }
 
-    /// Name of the conversion operator: `int8`, `sint@<25>`.
+    /// Returns the name of the operator that converts to this type, such as `int8` or `sint@<25>`.
     #[must_use]
     pub fn conversion_name(self) -> String {
         self.to_string().replace('<', "@<")

@@ -5,10 +5,10 @@ use crate::units::Dimension;
 use rpi_image::{ParamType, Scalar, Type, Value};
 use std::rc::Rc;
 
-/// Type of reals in seconds.
+/// Type of times that are reals in seconds, as opposed to exact times in ticks.
 pub(crate) const SECONDS: Ty = Ty::Real(Dimension::TIME);
 
-/// Returns the type of a machine value without unit and frames.
+/// Returns the type of values that are a scalar of this machine type, with unknown unit and frames.
 pub(crate) fn scalar_ty(scalar: Scalar) -> Ty {
     match scalar {
         Scalar::Bool => Ty::Bool,
@@ -19,7 +19,7 @@ pub(crate) fn scalar_ty(scalar: Scalar) -> Ty {
     }
 }
 
-/// Returns the type of a flow that carries a machine value.
+/// Returns the type of a flow that carries values of this machine type, which may be an array or matrix.
 pub(crate) fn flow_type(ty: Type) -> Ty {
     match ty {
         Type::Scalar(scalar) => scalar_ty(scalar),
@@ -28,7 +28,8 @@ pub(crate) fn flow_type(ty: Type) -> Ty {
     }
 }
 
-/// Returns the machine type of a value that a port of a primitive can take; `None` for other types.
+/// Returns the machine type with which a value of the type `ty` can be passed to a port of a primitive; `None` for
+/// types that primitives do not take.
 pub(crate) fn machine_type(ty: &Ty) -> Option<Type> {
     if let Some(scalar) = ty.scalar() {
         return Some(Type::Scalar(scalar));
@@ -42,7 +43,7 @@ pub(crate) fn machine_type(ty: &Ty) -> Option<Type> {
     }
 }
 
-/// Returns the default value of a parameter; `None` if it has none.
+/// Returns the default value of a primitive's parameter; `None` if it has none.
 pub(crate) fn param_default(param: &rpi_image::Param) -> Option<Value> {
     match param.ty {
         ParamType::Scalar(scalar) => param.default.value(Type::Scalar(scalar)),
@@ -59,7 +60,7 @@ pub(crate) fn param_default(param: &rpi_image::Param) -> Option<Value> {
     }
 }
 
-/// Packs leaves into one array value.
+/// Returns an array value whose elements are the given scalars.
 pub(crate) fn pack_leaves(scalar: Scalar, leaves: &[Value]) -> Value {
     let n = u32::try_from(leaves.len()).unwrap_or(u32::MAX);
     Value::Slots {
@@ -71,7 +72,8 @@ pub(crate) fn pack_leaves(scalar: Scalar, leaves: &[Value]) -> Value {
     }
 }
 
-/// Returns the type and the machine type of a value outside of the program; a time is in seconds there.
+/// Returns the type and the machine type that a value has outside of the program, for the host and devices. An exact
+/// time is a real in seconds there.
 pub(crate) fn external_type(ty: &Ty) -> (Ty, Scalar) {
     match ty {
         Ty::Duration => (SECONDS, Scalar::Real),

@@ -21,51 +21,55 @@ use std::rc::Rc;
 /// Type of a flow, a constant or a port.
 #[derive(Clone, PartialEq, Debug)]
 pub enum Ty {
-    /// Unknown type, after an error or for `none`. It matches every type, so that one error causes one message.
+    /// Unknown type, after an error or for `none` (absent value). It matches every type, so that one error gives one
+    /// diagnostic.
     Unknown,
-    /// Type `bool`.
+    /// Type `bool` of truth values.
     Bool,
     /// Type `int`: 64-bit signed integers.
     Int,
-    /// Machine integer of Kind 2, only in Lustre.
+    /// Machine integer of Kind 2, with a fixed number of bits. It exists only in Lustre.
     Machine(MachineInt),
-    /// `subrange [0, 7] of int`. Only declarations have this type: an expression that reads such a flow is an `int`.
+    /// Integers in a range, as in `subrange [0, 7] of int`. Only declarations have this type: an expression that reads
+    /// such a flow has the type `int`.
     Subrange(Subrange),
-    /// IEEE 754 double with a dimension, in coherent SI units.
+    /// 64-bit floating-point number with a physical dimension. The value is in coherent SI units.
     Real(Dimension),
-    /// Type of a point in time.
+    /// Point in time, as primitives provide it.
     Time,
-    /// Type `time`: a duration in ticks.
+    /// Type `time`: a duration that is a whole number of ticks (exact time).
     Duration,
-    /// Type of texts, only for parameters.
+    /// Type `text`, only for parameters.
     Text,
-    /// `Vector`, `Rotation`, `Pose`, `Twist` or `Wrench`, with its known geometry.
+    /// Spatial value (`Vector`, `Rotation`, `Pose`, `Twist` or `Wrench`), with its unit and frames as far as they are
+    /// known.
     Spatial(Scalar, Rc<Geometry>),
-    /// Enum type.
+    /// Type with a fixed list of named values.
     Enum(Rc<EnumTy>),
-    /// Struct type.
+    /// Struct type with named fields.
     Struct(Rc<StructTy>),
     /// Array type: element type and number of elements.
     Array(Rc<Ty>, u32),
-    /// Tuple type, also that of the results of a call with several outputs. Outputs have names, elements of `(x, y)`
-    /// have none.
+    /// Tuple type. The results of a call with several outputs have such a type, in which the elements have the names of
+    /// the outputs. Elements of `(x, y)` have no names.
     Tuple(Rc<[Member]>),
-    /// Device type, only for parameters of a command.
+    /// Device type, only for parameters, such as those of a command.
     Device(Rc<DeviceTy>),
-    /// Type of `predecessor`: the result with which a command ended.
+    /// Type of the predeclared flow `predecessor`: the result with which the preceding command ended.
     Result,
-    /// Static type parameter that is not bound yet.
+    /// Type parameter with this name, for which no type is known yet.
     Generic(Name),
 }
 
-/// Unit and frames of a spatial value, as far as they are known. An unknown part matches everything.
+/// Unit and frames of a spatial value, as far as they are known. A part that is `None` is unknown and matches
+/// everything.
 #[derive(Clone, PartialEq, Eq, Debug, Default)]
 pub struct Geometry {
-    /// Dimension of a vector's components.
+    /// Physical dimension of a vector's components; `None` if it is unknown or the value is no vector.
     pub dim: Option<Dimension>,
-    /// Frame whose position, orientation or velocity the value describes.
+    /// Frame whose position, orientation or velocity the value describes; `None` if it is unknown.
     pub of: Option<Name>,
-    /// Frame in whose coordinates the value is given.
+    /// Frame in whose coordinates the value is given; `None` if it is unknown.
     pub in_frame: Option<Name>,
 }
 
@@ -74,14 +78,14 @@ pub struct Geometry {
 pub struct EnumTy {
     /// Name of the enum.
     pub name: Name,
-    /// Values in text order.
+    /// Names of the values in text order. The index of a value represents it at run time.
     pub values: Vec<Name>,
-    /// Indices of the values, sorted by name.
+    /// Indices of the values, sorted by the names of the values, for a binary search.
     indices_by_name: Vec<u32>,
 }
 
 impl EnumTy {
-    /// Creates an enum with these values.
+    /// Creates an enum with these values, given in text order.
     #[must_use]
     pub fn new(name: Name, values: Vec<Name>) -> EnumTy {
         let mut by_name: Vec<u32> = (0..).take(values.len()).collect();
@@ -93,7 +97,7 @@ impl EnumTy {
         }
     }
 
-    /// Returns the index of a value, which represents it at run time.
+    /// Returns the index of a value, which represents it at run time; `None` if the enum has no value with this name.
     #[must_use]
     pub fn index_of(&self, value: &str) -> Option<u32> {
         let name = |place: &u32| self.values[*place as usize].as_str();
@@ -105,57 +109,59 @@ impl EnumTy {
     }
 }
 
-/// Struct type with its static parameters bound.
+/// Struct type, for one choice of its type arguments.
 #[derive(PartialEq, Debug)]
 pub struct StructTy {
-    /// Name of the struct.
+    /// Name of the struct with its type arguments.
     pub name: Name,
-    /// Fields in text order.
+    /// Fields of the struct, in text order.
     pub fields: Vec<Member>,
-    /// Default of each field, leaf by leaf; none for a field without a default.
+    /// Default of each field as the values of its leaves (scalar parts); `None` for a field without a default.
     pub defaults: Vec<Option<Rc<[Value]>>>,
 }
 
-/// Field of a struct, or element of a tuple.
+/// Field of a struct, element of a tuple, or output of a call.
 #[derive(Clone, PartialEq, Debug)]
 pub struct Member {
-    /// Name; none for an element of `(x, y)`.
+    /// Name of the field or output; `None` for an element of a tuple `(x, y)`.
     pub name: Option<Name>,
-    /// Type.
+    /// Type of the field, element or output.
     pub ty: Ty,
 }
 
-/// Device type with its static parameters bound.
+/// Device type, for one choice of its static arguments.
 #[derive(PartialEq, Debug)]
 pub struct DeviceTy {
     /// Name of the device type.
     pub name: Name,
-    /// Ports in text order.
+    /// Actuator, sensor and status ports in text order.
     pub ports: Vec<DevicePortTy>,
-    /// Frames that its ports name but no declaration does. Each device has its own frames of these names.
+    /// Names of frames in the types of the ports that are not declared. Each device has frames of its own with these
+    /// names, such as `arm.tcp`.
     pub frames: Vec<Name>,
-    /// Values of the device type's static parameters, in the order of their declaration; none if only the robot cell
-    /// gives it.
+    /// Values of the static parameters in the order of their declaration; `None` for a parameter whose value only the
+    /// cell description gives.
     pub sizes: Vec<Option<u32>>,
 }
 
-/// Port of a device type.
+/// Actuator, sensor or status port of a device type.
 #[derive(PartialEq, Debug)]
 pub struct DevicePortTy {
     /// Name of the port.
     pub name: Name,
-    /// Type of the port; none if its size is known only with the robot cell.
+    /// Type of the port; `None` if an array size in it is known only from the cell description.
     pub ty: Option<Ty>,
-    /// Whether the port may have no sample in a cycle.
+    /// Whether the port may have no value in a cycle.
     pub optional: bool,
-    /// Whether the port is an actuator port, which programs write.
+    /// Whether the port is an actuator port, which commands write. Other ports are read.
     pub is_actuator: bool,
-    /// Index of the actuator that the port drives. Ports with the same actuator exclude one another.
+    /// Number of the actuator that the port drives. Ports with the same number exclude one another in a cycle. It has
+    /// no meaning for ports that are read.
     pub actuator: u32,
 }
 
 impl DeviceTy {
-    /// Returns the actuator, sensor or status port of a device type with this name.
+    /// Returns the actuator, sensor or status port with this name; `None` if there is none.
     #[must_use]
     pub fn port(&self, name: &str) -> Option<&DevicePortTy> {
         self.ports.iter().find(|port| port.name == name)
@@ -163,10 +169,10 @@ impl DeviceTy {
 }
 
 impl Ty {
-    /// Dimensionless real.
+    /// Type of reals without a unit.
     pub const REAL: Ty = Ty::Real(Dimension::ONE);
 
-    /// Returns a spatial type with unknown unit and frames.
+    /// Returns the type of spatial values of this machine type, with unknown unit and frames.
     #[must_use]
     pub fn spatial(scalar: Scalar) -> Ty {
         Ty::Spatial(scalar, Rc::default())
@@ -185,7 +191,7 @@ impl Ty {
         matches!(self, Ty::Unknown)
     }
 
-    /// Returns whether the type or a part of it is unknown.
+    /// Returns whether the type is unknown or contains an unknown type.
     #[must_use]
     pub fn has_unknown(&self) -> bool {
         match self {
@@ -195,7 +201,7 @@ impl Ty {
         }
     }
 
-    /// Returns whether the type contains an unbound type parameter.
+    /// Returns whether the type contains a type parameter for which no type is known yet.
     #[must_use]
     pub fn has_generic(&self) -> bool {
         match self {
@@ -215,7 +221,7 @@ impl Ty {
         }
     }
 
-    /// Returns the machine type of a type with a single leaf; none for other types.
+    /// Returns the machine type of a type with a single leaf (scalar part); `None` for other types.
     #[must_use]
     pub fn scalar(&self) -> Option<Scalar> {
         Some(match self {
@@ -229,7 +235,8 @@ impl Ty {
         })
     }
 
-    /// Returns the number of leaves (scalar parts) of the type, each carried by one link of the net.
+    /// Returns the number of leaves (scalar parts) of a value of the type, each carried by one link of the net; 0 for
+    /// an unknown type.
     #[must_use]
     pub fn leaf_count(&self) -> usize {
         match self {
@@ -243,12 +250,13 @@ impl Ty {
         }
     }
 
-    /// Calls `visit` with each leaf's path (`.x[2]`) and type, in order.
+    /// Calls `visit` with the path (such as `.x[2]`) and type of each leaf (scalar part), in order.
     pub fn for_each_leaf(&self, visit: &mut impl FnMut(&str, &Ty)) {
         self.leaves_below(&mut String::new(), visit);
     }
 
-    /// Returns the path of the part with `count` leaves from leaf `at` on: `[2].x`, `[1..3]`.
+    /// Returns the path of the part that consists of `count` leaves (scalar parts) from leaf `at` on, such as `[2].x`
+    /// or `[1..3]`.
     #[must_use]
     pub fn part_path(&self, mut at: usize, count: usize) -> String {
         let (mut ty, mut path) = (self, String::new());
@@ -278,7 +286,8 @@ impl Ty {
         path
     }
 
-    /// Returns the member that contains a leaf, and the index of that member's first leaf.
+    /// Returns the member that contains the leaf (scalar part) with index `at`, and the index of that member's first
+    /// leaf; `None` if there is none.
     fn member_at(&self, at: usize) -> Option<(&Member, usize)> {
         let mut first = 0;
         self.members().iter().find_map(|member| {

@@ -5,17 +5,17 @@ use rpi_diag::{Code, Diagnostic};
 use std::fmt;
 use std::rc::Rc;
 
-/// Range `[from, to]` with inclusive bounds, written `*` if unbounded.
+/// Range of integers with inclusive bounds, written `[from, to]`. A missing bound is written `*`.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub struct Subrange {
-    /// Least value; none if unbounded.
+    /// Least value in the range; `None` if there is no lower bound.
     pub from: Option<i64>,
-    /// Greatest value; none if unbounded.
+    /// Greatest value in the range; `None` if there is no upper bound.
     pub to: Option<i64>,
 }
 
 impl Subrange {
-    /// Returns the least and the greatest value.
+    /// Returns the least and the greatest value in the range. A missing bound is that of 64-bit integers.
     #[must_use]
     pub fn bounds(self) -> [i64; 2] {
         [self.from.unwrap_or(i64::MIN), self.to.unwrap_or(i64::MAX)]
@@ -57,8 +57,8 @@ impl fmt::Display for Subrange {
 }
 
 impl Ty {
-    /// Returns the type of an expression that reads a flow of this type: `int` for a subrange. Fields of structs keep
-    /// their subranges, which are checked where a struct is built.
+    /// Returns the type of an expression that reads a flow of this type, which is `int` for a subrange. Fields of
+    /// structs remain subranges, which are checked where a struct is built.
     #[must_use]
     pub fn widened(self) -> Ty {
         match self {
@@ -77,7 +77,7 @@ impl Ty {
         }
     }
 
-    /// Returns whether the type contains a subrange outside structs.
+    /// Returns whether the type is or contains a subrange that is not in a struct.
     fn has_bare_subrange(&self) -> bool {
         match self {
             Ty::Subrange(_) => true,
@@ -87,8 +87,8 @@ impl Ty {
         }
     }
 
-    /// Returns the leaves with a subrange type, by index. Fields of structs are checked where the struct is built, so
-    /// they are included only if the value comes from `outside`.
+    /// Returns the leaves (scalar parts) with a subrange type, each with its index. Fields of structs are included only
+    /// for a value from `outside` of the program, because otherwise they are checked where the struct is built.
     #[must_use]
     pub fn subranges(&self, outside: bool) -> Vec<(usize, Subrange)> {
         let mut found = Vec::new();
@@ -131,7 +131,7 @@ impl Ty {
     }
 }
 
-/// Returns the diagnostic for a constant outside of a subrange; the caller adds the location.
+/// Returns the diagnostic for a constant `value` outside of the subrange of its type. The caller adds the location.
 pub(crate) fn outside_subrange(value: i64, range: Subrange) -> Diagnostic {
     let message = format!("{value} is outside of the subrange {range}");
     Diagnostic::new(Code::RPI2017, message)

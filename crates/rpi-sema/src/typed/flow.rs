@@ -5,39 +5,40 @@ use crate::typed::{BlockId, ExprId, FlowId};
 use rpi_diag::Span;
 use rpi_syntax::Name;
 
-/// Role of a flow in its unit: parameter, input, output or local.
+/// Role of a flow in its unit, which decides where its value comes from.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub enum FlowRole {
-    /// Value or device that is fixed when the command is loaded.
+    /// Parameter: a value or device that is fixed when the command is loaded.
     Param,
-    /// Input of the unit, an in-port.
+    /// In-port of the unit, whose value the caller gives in each cycle.
     Input,
-    /// Value taken over from the preceding command.
+    /// Value that a command takes over from the preceding command.
     TakenOver,
-    /// Output of the unit, an out-port.
+    /// Out-port of the unit, which equations of the unit define.
     Output,
-    /// Flow that is only used inside the unit.
+    /// Flow that is defined and used only inside of the unit.
     Local,
 }
 
 impl FlowRole {
-    /// Returns whether the unit defines flows of this role by equations.
+    /// Returns whether equations of the unit define flows of this role: out-ports and local flows.
     #[must_use]
     pub fn has_equation(self) -> bool {
         matches!(self, FlowRole::Output | FlowRole::Local)
     }
 }
 
-/// Whether a flow may be absent, and whether that is declared or inferred.
+/// Whether a flow may be absent in a cycle, and whether that is declared or inferred.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub enum FlowPresence {
-    /// The presence is declared; `true` if the flow may be absent.
+    /// The presence is declared. The value is true if the flow is declared optional (`T?`), so that it may be absent.
     Declared(bool),
     /// The presence is inferred from the flow's equation.
     Inferred,
 }
 
-/// Named value of a unit that changes from cycle to cycle: a port or a local flow.
+/// Named value of a unit: a port, a parameter or a local flow. Except for parameters, the value changes from cycle to
+/// cycle.
 #[derive(Clone, Debug)]
 pub struct Flow {
     /// Name of the flow.
@@ -46,23 +47,24 @@ pub struct Flow {
     pub ty: Ty,
     /// Whether the flow may be absent.
     pub optional: FlowPresence,
-    /// How the flow gets its value: as an input, an output, a local flow, a parameter or a value from the predecessor.
+    /// Role of the flow, which decides where its value comes from: in-port, out-port, local flow, parameter, or value
+    /// from the preceding command.
     pub role: FlowRole,
-    /// Block that contains the flow.
+    /// Block of the unit in which the flow is declared or introduced.
     pub block: BlockId,
-    /// Declared clock; none if there is no clock declaration.
+    /// Declared clock; `None` if the declaration states none.
     pub clock: Option<DeclaredClock>,
-    /// Default of an input; none if the caller must give an argument.
+    /// Default of an in-port or parameter; `None` if there is none, so that the caller must give an argument.
     pub default: Option<ExprId>,
-    /// Span of the name in the declaration.
+    /// Location of the flow's name in its declaration.
     pub span: Span,
 }
 
-/// Clock in a declaration or `when`: the cycles in which a flow has a given value.
+/// Clock in a declaration or after `when`: the cycles in which a flow has a certain value.
 #[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Debug)]
 pub struct DeclaredClock {
     /// Flow whose value is the condition of the clock.
     pub flow: FlowId,
-    /// Value of the flow: 0 or 1 for a Boolean, the index of an enum's value.
+    /// Value of that flow when the clock ticks: 0 or 1 for a Boolean, an index for an enum.
     pub value: u32,
 }

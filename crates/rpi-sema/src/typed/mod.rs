@@ -25,7 +25,7 @@ pub use rpi_net::ClaimKind;
 use rpi_syntax::Name;
 use std::rc::Rc;
 
-/// Index of a unit in a checked program.
+/// Index of a unit among the units of a checked program.
 #[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Debug)]
 pub struct UnitId(pub u32);
 
@@ -37,258 +37,266 @@ pub struct FlowId(pub u32);
 #[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Debug)]
 pub struct ExprId(pub u32);
 
-/// Index of a block in [`Unit::blocks`]; 0 is the body of the unit.
+/// Index of a block in [`Unit::blocks`]. Block 0 is the body of the unit.
 #[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Debug)]
 pub struct BlockId(pub u32);
 
 impl BlockId {
-    /// Body of the unit.
+    /// Block of the body of a unit, which contains all other blocks.
     pub const ROOT: BlockId = BlockId(0);
 }
 
-/// Kind of a callable, which decides how a call is compiled.
+/// Kind of a unit, which decides how a call of it is compiled.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub enum UnitKind {
     /// Function: has no state and is inlined. Absent arguments make its results absent.
     Function,
-    /// Node: inlined, with its state in the caller's fragment.
+    /// Node: its calls are inlined, and its state is part of the fragment that contains the call.
     Node,
-    /// Fragment: active or inactive as a whole, with state of its own; one vertex in its caller.
+    /// Fragment: active or inactive as a whole, with state of its own. For dependencies of its caller, it counts as a
+    /// single vertex.
     Fragment,
-    /// Command: the root of a net.
+    /// Command: the unit that the control core runs. It becomes a net of its own.
     Command,
-    /// Test: the root of a net whose claims are observed from outside.
+    /// Test: it becomes a net of its own, whose claims are observed from outside.
     Test,
-    /// Task: a sequence of commands.
+    /// Task: a sequence of commands, without a net of its own.
     Task,
-    /// Constant: an expression at the top level of a module, or in a type.
+    /// Constant: an expression outside of any other unit, such as the value of a global constant or an array size.
     Constant,
 }
 
 impl UnitKind {
-    /// Returns whether units of this kind are run rather than called.
+    /// Returns whether units of this kind are run on their own, not called.
     #[must_use]
     pub fn is_root(self) -> bool {
         matches!(self, UnitKind::Command | UnitKind::Test | UnitKind::Task)
     }
 }
 
-/// Callable, such as a node or command, for one choice of static arguments, after type checking.
+/// Typed form of a callable, such as a node or command, for one choice of static arguments.
 #[derive(Clone, Debug)]
 pub struct Unit {
-    /// Name, with the chosen static arguments.
+    /// Name of the callable with the chosen static arguments.
     pub name: Name,
-    /// Whether the unit is a function, node, fragment, command, task or test.
+    /// Kind of the unit, such as function, node, command or task.
     pub kind: UnitKind,
-    /// Span of the name in the declaration.
+    /// Whether the unit is a declared contract. Contracts are imported, other units are called.
+    pub is_contract: bool,
+    /// Location of the name in the declaration.
     pub span: Span,
-    /// All flows, ports included.
+    /// All flows of the unit, including parameters and ports.
     pub flows: Vec<Flow>,
-    /// Values from the caller, in order: those fixed at load time, then inputs, then those taken over.
+    /// Flows whose values the caller gives, in order: parameters that are fixed when the command is loaded, then
+    /// in-ports, then values taken over.
     pub inputs: Vec<FlowId>,
     /// Flows of the out-ports, in the order of the declaration.
     pub outputs: Vec<FlowId>,
-    /// Expressions. Operands precede the expressions that use them.
+    /// All expressions of the unit. Operands precede the expressions that use them.
     pub exprs: Vec<Expr>,
-    /// Conditions of `if` that depend on static parameters, in ascending order. Other static arguments may choose the
-    /// other branch.
+    /// Conditions of `if` that depend on static parameters, in ascending order. In another instance, such a condition
+    /// may have another value.
     pub static_conditions: Vec<ExprId>,
-    /// Body, fragments in place, and states; parents first.
+    /// Blocks of the unit: the body, inline fragments, states of automata and contracts. Each comes after the block
+    /// that contains it.
     pub blocks: Vec<Block>,
-    /// Whether the unit samples flows (`when`, `merge`, `current`).
+    /// Whether the unit uses sampled flows (`when`, `merge`, `current`).
     pub has_clocks: bool,
-    /// Whether the unit has state.
+    /// Whether the unit has state, as in `pre x`, itself or in its calls.
     pub has_state: bool,
-    /// Whether the source is Lustre, where `current` is never optional.
+    /// Whether the unit is in Lustre, where the results of `current` are never optional.
     pub is_lustre: bool,
-    /// Frames that the signature names but no declaration does. Each stands for the frame of an argument.
+    /// Names of frames in the ports that are not declared. Each stands for the frame of an argument.
     pub free_frames: Vec<Name>,
-    /// Steps of a task: the commands and tasks that it runs.
+    /// For a task, its steps: the commands and tasks that it runs. Empty for other units.
     pub steps: Vec<TaskStep>,
-    /// Repetition counts of a task, each with the span of the number.
+    /// For a task, the numbers of repetitions in it, each with its location. Empty for other units.
     pub repeat_counts: Vec<(Span, ExprId)>,
 }
 
-/// Body, fragment in place, or state of an automaton.
+/// Part of a unit with its own names and equations: the body, an inline fragment, a state of an automaton, or a
+/// contract.
 #[derive(Clone, Debug)]
 pub struct Block {
-    /// Name of the block; empty for the body.
+    /// Name of the fragment or state; empty for the body of the unit.
     pub name: Name,
-    /// Enclosing block; `None` for the body.
+    /// Block that contains this one; `None` for the body of the unit.
     pub parent: Option<BlockId>,
-    /// Condition under which the block is active; `None` if it is active whenever its parent is.
+    /// Condition under which the block is active; `None` if it is active whenever the block around it is.
     pub when: Option<ExprId>,
-    /// Whether the state of the block restarts on each activation.
+    /// Whether the state of the block is reset to its initial values each time the block becomes active.
     pub restart: bool,
-    /// Declared execution time budget in nanoseconds.
+    /// Declared budget for the execution time of the block in one cycle, in nanoseconds; `None` if none is declared.
     pub budget_ns: Option<u64>,
-    /// Whether the block is a contract. Nothing outside reads a contract, and it may be left out.
+    /// Whether the block is a contract. Nothing outside of it reads a contract, so that it may be left out of the net.
     pub is_contract: bool,
     /// Equations in text order.
     pub equations: Vec<Equation>,
-    /// Claims: conditions stated to hold.
+    /// Assertions and clauses of contracts: conditions that are stated to hold.
     pub claims: Vec<Claim>,
-    /// Results with which the command can end.
+    /// Statements that end the command when their conditions hold.
     pub ends: Vec<End>,
-    /// Exported flows.
+    /// Flows that the block exports, so that they are visible outside of the command.
     pub exports: Vec<Export>,
-    /// Automata in the block.
+    /// Automata (state machines) in the block.
     pub automata: Vec<Automaton>,
-    /// Span of the block.
+    /// Location of the block in the source.
     pub span: Span,
 }
 
 /// Equation such as `x, arm.tcp = e`.
 #[derive(Clone, Debug)]
 pub struct Equation {
-    /// Targets in order. Together they cover all leaves of the value.
+    /// Targets in order. Together they take all leaves (scalar parts) of the value.
     pub targets: Vec<Target>,
-    /// Expression on the right side.
+    /// Expression on the right side of the equation.
     pub value: ExprId,
-    /// Span of the whole equation.
+    /// Location of the whole equation.
     pub span: Span,
 }
 
-/// Flow, or part of one, on the left side of an equation.
+/// Flow, part of a flow, or actuator port on the left side of an equation.
 #[derive(Clone, Debug)]
 pub struct Target {
-    /// Flow or port that is defined.
+    /// Flow or port that the equation defines.
     pub place: TargetPlace,
-    /// Type of the target.
+    /// Type of the flow, part or port that the equation defines.
     pub ty: Ty,
-    /// Span of the target.
+    /// Location of the target in the source.
     pub span: Span,
 }
 
-/// What an equation defines: leaves of a flow, or an actuator port.
+/// What an equation defines: leaves (scalar parts) of a flow, an actuator port, or nothing.
 #[derive(Clone, PartialEq, Debug)]
 pub enum TargetPlace {
-    /// The equation defines the leaves of a flow from `at` on.
+    /// The equation defines a flow or a part of one: as many leaves (scalar parts) as the target's type has, from leaf
+    /// `at` on.
     Flow {
-        /// Flow that is defined.
+        /// Flow that is defined, completely or in part.
         flow: FlowId,
-        /// Index of the first leaf.
+        /// Index of the first leaf (scalar part) that is defined.
         at: u32,
     },
-    /// The equation defines a set-point for an actuator port of a device.
+    /// The equation gives a set-point to an actuator port of a device.
     Port {
-        /// Flow that holds the device.
+        /// Flow (a parameter) that holds the device.
         device: FlowId,
-        /// Index of the port in the device type.
+        /// Index of the port among the ports of the device type.
         port: u32,
     },
-    /// The equation defines nothing: after an error, or for `_`.
+    /// The equation defines nothing, because its target has an error or is `_`.
     Nowhere,
 }
 
 /// Assertion or clause of a contract: a condition that is stated to hold in every cycle.
 #[derive(Clone, Debug)]
 pub struct Claim {
-    /// Kind of the claim, which says who must ensure it.
+    /// Kind of the claim. The kind decides who must ensure the condition: the caller or the body.
     pub kind: ClaimKind,
     /// Condition that is stated to hold.
     pub condition: ExprId,
-    /// Mode of the contract, for an `ensure`. The condition is then `require => ensure`.
+    /// For an `ensure` in a mode of a contract, the name of the mode. The condition is then `require => ensure`.
     pub mode: Option<Name>,
-    /// Label in the source.
+    /// Label that the source gives to the claim, if there is one.
     pub label: Option<Name>,
-    /// Span of the claim.
+    /// Location of the claim in the source.
     pub span: Span,
 }
 
 /// Statement that ends a command, such as `finish result when condition`.
 #[derive(Clone, Debug)]
 pub struct End {
-    /// Whether the statement is a `finish`, a `yield` or a `fail`.
+    /// Kind of the statement: `finish`, `yield` or `fail`.
     pub kind: rpi_syntax::ast::CommandEndKind,
     /// Name of the result with which the command ends.
     pub result: Name,
-    /// Condition under which the command ends.
+    /// Condition under which the command ends with this result.
     pub condition: ExprId,
-    /// Span of the statement.
+    /// Location of the statement in the source.
     pub span: Span,
 }
 
-/// Flow that a command exports, under a key.
+/// Flow that a command exports, with the key under which it is read.
 #[derive(Clone, Debug)]
 pub struct Export {
     /// Name under which the host reads the exported flow.
     pub key: String,
-    /// Exported expression.
+    /// Expression with the exported value.
     pub value: ExprId,
-    /// Span of the export.
+    /// Location of the export in the source.
     pub span: Span,
 }
 
-/// State machine of a body. In each cycle exactly one state is active; each state is a block.
+/// Automaton (state machine) of a block. In each cycle, exactly one state is active. Each state is a block.
 #[derive(Clone, Debug)]
 pub struct Automaton {
     /// States in text order. The first one need not be the initial one.
     pub states: Vec<State>,
     /// Index of the initial state.
     pub initial: u32,
-    /// Flows that the states define together.
+    /// Flows that the states define for the block around the automaton.
     pub shared: Vec<SharedFlow>,
-    /// Span of the automaton.
+    /// Location of the automaton in the source.
     pub span: Span,
 }
 
-/// State of an automaton.
+/// State of an automaton, with the transitions out of it.
 #[derive(Clone, Debug)]
 pub struct State {
-    /// Block of the state. The conditions of its weak transitions are evaluated in it.
+    /// Block with the equations of the state. The conditions of its weak transitions are evaluated in it.
     pub block: BlockId,
-    /// Strong transitions, taken before the state runs.
+    /// Strong transitions, which are taken before the state runs in a cycle, in order of priority.
     pub unless: Vec<Transition>,
-    /// Weak transitions, which take effect in the next cycle.
+    /// Weak transitions, which take effect in the next cycle, in order of priority.
     pub until: Vec<Transition>,
 }
 
-/// Transition between states.
+/// Transition from one state of an automaton to another.
 #[derive(Clone, Debug)]
 pub struct Transition {
-    /// Condition of the transition; `None` for `otherwise`.
+    /// Condition of the transition; `None` if it is always taken when no earlier transition is.
     pub condition: Option<ExprId>,
-    /// Whether the target state resumes instead of restarting.
+    /// Whether the target state continues with its previous state values instead of restarting.
     pub resumes: bool,
-    /// Index of the target state.
+    /// Index of the target state in the automaton.
     pub target: u32,
-    /// Span of the transition.
+    /// Location of the transition in the source.
     pub span: Span,
 }
 
-/// Flow that several states define.
+/// Flow outside of an automaton that several of its states define. Each such state has a local version of the flow.
 #[derive(Clone, Debug)]
 pub struct SharedFlow {
-    /// Flow as read outside the automaton.
+    /// Flow as it is read outside of the automaton.
     pub flow: FlowId,
-    /// For each state that defines the flow, the flow inside that state, in the order of the states.
+    /// For each state that defines the flow, the local version of the flow, in the order of the states.
     pub states: Vec<FlowId>,
-    /// States that may be active and do not define the flow. Truncated if there are many.
+    /// States that may be active and do not define the flow. If there are many, only the first ones are listed.
     pub missing: Vec<BlockId>,
-    /// Flow of an equation beside the automaton, which applies in states that do not define the flow. Without a default
-    /// the flow is absent there.
+    /// Flow with the value of an equation beside the automaton, which applies in states that do not define the flow;
+    /// `None` if there is no such equation. The flow is then absent in those states.
     pub default: Option<FlowId>,
 }
 
 impl SharedFlow {
-    /// Returns the flows that contribute to this one: those of the states, then the default.
+    /// Returns the flows that give this flow its value: the local versions in the states, then the default.
     pub fn contributions(&self) -> impl Iterator<Item = FlowId> + '_ {
         self.states.iter().copied().chain(self.default)
     }
 
-    /// Returns whether the flow may be absent because an active state does not define it.
+    /// Returns whether the flow may be absent because an active state does not define it and there is no default.
     #[must_use]
     pub fn is_partially_defined(&self) -> bool {
         self.default.is_none() && !self.missing.is_empty()
     }
 }
 
-/// Leaf of a constant: a value or a text.
+/// Value of a leaf (scalar part) of a constant: a machine value or a text.
 pub type Leaf = Value;
 
 impl Unit {
-    /// Returns for each leaf of the outputs, in order, whether it may be absent in a cycle in which the unit runs.
+    /// Returns for each leaf (scalar part) of the outputs, in order, whether it may be absent in a cycle in which the
+    /// unit runs.
     pub fn optional_leaves(&self) -> impl Iterator<Item = bool> + '_ {
         let outputs = self.outputs.iter().map(|flow| self.flow(*flow));
         outputs.flat_map(|flow| {
@@ -315,7 +323,7 @@ impl Unit {
         &self.blocks[id.0 as usize]
     }
 
-    /// Returns a flow's name qualified by the names of its enclosing blocks.
+    /// Returns the name of a flow with the names of the blocks that contain it before it, such as `Filter.smooth`.
     #[must_use]
     pub fn flow_path(&self, flow: FlowId) -> String {
         let flow = self.flow(flow);
@@ -330,7 +338,8 @@ impl Unit {
         path
     }
 
-    /// Returns the type of a call's result: the type of the only output, or a tuple of all outputs by name.
+    /// Returns the type of a call's result: the type of the only output, or a tuple with the names and types of all
+    /// outputs.
     #[must_use]
     pub fn result_type(&self) -> Ty {
         if let [one] = self.outputs[..] {
@@ -343,7 +352,7 @@ impl Unit {
         Ty::Tuple(self.outputs.iter().map(member).collect())
     }
 
-    /// Returns the device type of a flow; none if the flow is not a device.
+    /// Returns the device type of a flow; `None` if the flow does not hold a device.
     #[must_use]
     pub fn device_type_instance(&self, id: FlowId) -> Option<&Rc<DeviceTy>> {
         match &self.flow(id).ty {
@@ -354,7 +363,7 @@ impl Unit {
 }
 
 impl Block {
-    /// Creates an empty block.
+    /// Creates a block without equations or other content.
     #[must_use]
     pub fn new(name: Name, parent: Option<BlockId>, span: Span) -> Block {
         Block {

@@ -4,7 +4,7 @@ use crate::ty::Ty;
 use rpi_net::prim;
 use rpi_prims::PrimId;
 
-/// A predeclared flow: name, primitive, type, and whether only commands have it.
+/// Predeclared flow: its name, the primitive that provides its value, its type, and whether only commands have it.
 pub(crate) struct PredeclaredFlow {
     pub(crate) name: &'static str,
     pub(crate) prim: PrimId,
@@ -12,7 +12,7 @@ pub(crate) struct PredeclaredFlow {
     pub(crate) only_in_commands: bool,
 }
 
-/// Flows that exist without a declaration, such as `time` and `cancel`, each with the primitive that provides it.
+/// Flows that exist without a declaration, such as `time` and `cancel`.
 pub(crate) const PREDECLARED_FLOWS: &[PredeclaredFlow] = &[
     predeclared_flow("cancel", prim!("Cancel"), Ty::Bool, true),
     predeclared_flow("takeover", prim!("Takeover"), Ty::Bool, true),
@@ -36,7 +36,7 @@ const fn predeclared_flow(
     }
 }
 
-/// Returns the name of the predeclared flow that a primitive computes.
+/// Returns the name of the predeclared flow whose value the primitive `prim` provides; `None` if there is none.
 pub(crate) fn predeclared_flow_of_prim(prim: &str) -> Option<&'static str> {
     let flow = PREDECLARED_FLOWS
         .iter()

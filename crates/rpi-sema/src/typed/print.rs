@@ -4,7 +4,8 @@ use crate::typed::TypedKind;
 use crate::typed::{Block, BlockId, Equation, ExprId, FlowPresence, TargetPlace, Unit};
 use std::fmt::Write;
 
-/// Formats a unit: its flows with types, and its equations with every operator as a primitive.
+/// Returns a unit as text for tests and debugging: its flows with their types, and its equations with every operator as
+/// a primitive.
 #[must_use]
 pub fn format_unit(unit: &Unit) -> String {
     let mut out = format!("{:?} {}\n", unit.kind, unit.name).to_lowercase();
@@ -58,7 +59,7 @@ fn print_equation(unit: &Unit, equation: &Equation) -> String {
     format!("{} = {}", targets.join(", "), expr(unit, equation.value))
 }
 
-/// Formats an expression in prefix form.
+/// Returns an expression as text in prefix form, such as `Core::IntAdd(x, 1)`.
 fn expr(unit: &Unit, id: ExprId) -> String {
     let kind = &unit.expr(id).kind;
     let head = match kind {

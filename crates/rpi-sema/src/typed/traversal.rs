@@ -5,8 +5,8 @@ use crate::hash::FastSet;
 use crate::typed::{Expr, TypedKind};
 use crate::typed::{ExprId, Unit};
 
-/// Traversal of the expressions below some roots. An expression is returned before its operands, which are visited only
-/// if [`enter`](Traversal::enter) is called.
+/// Traversal of expressions from some roots to their operands. An expression is returned before its operands. The
+/// operands are visited only if [`enter`](Traversal::enter) is called for the expression.
 pub(crate) struct Traversal<'u> {
     unit: &'u Unit,
     open: Vec<ExprId>,
@@ -14,7 +14,7 @@ pub(crate) struct Traversal<'u> {
 }
 
 impl Unit {
-    /// Starts a traversal at one expression.
+    /// Starts a traversal of the expressions of the unit at `root`.
     pub(crate) fn traverse(&self, root: ExprId) -> Traversal<'_> {
         Traversal {
             unit: self,
@@ -31,7 +31,7 @@ impl<'u> Traversal<'u> {
         Some((id, self.unit.expr(id)))
     }
 
-    /// Adds the operands of an expression to the traversal, unless they were added before.
+    /// Adds the operands of an expression to the traversal, unless they have been added before.
     pub(crate) fn enter(&mut self, id: ExprId) {
         let before = self.open.len();
         let kind: &TypedKind = &self.unit.expr(id).kind;
@@ -42,7 +42,7 @@ impl<'u> Traversal<'u> {
         }
     }
 
-    /// Adds further roots to the traversal.
+    /// Adds further expressions at which the traversal starts.
     pub(crate) fn add_roots(&mut self, roots: impl IntoIterator<Item = ExprId>) {
         self.open.extend(roots);
     }

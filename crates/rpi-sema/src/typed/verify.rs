@@ -4,7 +4,7 @@ use crate::typed::TypedKind;
 use crate::typed::{Equation, ExprId, TargetPlace, Unit, UnitId};
 use std::fmt;
 
-/// Violated invariant of a typed unit.
+/// Description of an invariant that a typed unit violates.
 #[derive(Clone, PartialEq, Eq, Debug)]
 pub struct InvalidUnitError(String);
 
@@ -16,9 +16,10 @@ impl fmt::Display for InvalidUnitError {
 
 impl std::error::Error for InvalidUnitError {}
 
-/// Checks the invariants of a unit of a program with `units` units.
+/// Checks the invariants of a unit, such as valid indices of operands. `units` is the number of units of the program.
 ///
 /// # Errors
+///
 /// Returns a description of the first violation.
 pub fn verify(unit: &Unit, units: usize) -> Result<(), InvalidUnitError> {
     for (id, expr) in (0..).map(ExprId).zip(&unit.exprs) {

@@ -3,43 +3,44 @@
 use crate::units::Ratio;
 use std::fmt;
 
-/// Base dimension of the unit system, named after its quantity.
+/// Base dimension of the system of units, named after its quantity.
 #[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Debug)]
 pub enum BaseDim {
-    /// Mass, `kg`.
+    /// Mass, with the unit `kg`.
     Mass,
-    /// Length, `m`.
+    /// Length, with the unit `m`.
     Length,
-    /// Time, `s`.
+    /// Time, with the unit `s`.
     Time,
-    /// Electric current, `A`.
+    /// Electric current, with the unit `A`.
     Current,
-    /// Thermodynamic temperature, `K`.
+    /// Thermodynamic temperature, with the unit `K`.
     Temperature,
-    /// Amount of substance, `mol`.
+    /// Amount of substance, with the unit `mol`.
     Amount,
-    /// Luminous intensity, `cd`.
+    /// Luminous intensity, with the unit `cd`.
     Luminosity,
-    /// Plane angle, `rad`.
+    /// Plane angle, with the unit `rad`. It is a dimension here to detect missing angle units.
     Angle,
 }
 
-/// Number of base dimensions in [`BaseDim`].
+/// Number of base dimensions, that is, of variants of [`BaseDim`].
 const BASE_COUNT: usize = 8;
 
-/// Number of free dimensions: placeholders for the units of type parameters while a generic declaration is checked.
-/// Three do not enlarge [`crate::ty::Ty`]. A declaration with more of them is checked in several rounds.
+/// Number of free dimensions. They stand for the unknown units of type parameters while a generic declaration is
+/// checked. Three free dimensions do not enlarge [`crate::ty::Ty`]; a declaration with more such parameters is checked
+/// in several rounds.
 pub const FREE_COUNT: usize = 3;
 
 const EXPONENT_COUNT: usize = BASE_COUNT + FREE_COUNT;
 
-/// Units of the base dimensions, in the order of [`BaseDim`], in which they are printed. Free dimensions have
-/// private-use characters, which the checker replaces by the names of the parameters.
+/// Units of the base dimensions and signs of the free dimensions, in the order of the exponents, in which they are
+/// printed. The signs are private-use characters, which the checker replaces by the names of type parameters.
 const BASE_UNITS: [&str; EXPONENT_COUNT] = [
     "kg", "m", "s", "A", "K", "mol", "cd", "rad", "\u{E000}", "\u{E001}", "\u{E002}",
 ];
 
-/// Dimensions that are printed with a name of their own.
+/// Dimensions that are printed by the name of a derived unit, with their exponents of the base dimensions.
 const NAMED_DIMS: [(&str, [i32; BASE_COUNT]); 8] = [
     ("N", [1, 1, -2, 0, 0, 0, 0, 0]),
     ("N*m", [1, 2, -2, 0, 0, 0, 0, 0]),
@@ -51,7 +52,7 @@ const NAMED_DIMS: [(&str, [i32; BASE_COUNT]); 8] = [
     ("T", [1, 0, -2, -1, 0, 0, 0, 0]),
 ];
 
-/// Common names of quantities, with an article.
+/// Common names of quantities, with an article, and the exponents of their base dimensions.
 const QUANTITIES: [(&str, [i32; BASE_COUNT]); 20] = [
     ("a mass", [1, 0, 0, 0, 0, 0, 0, 0]),
     ("a length", [0, 1, 0, 0, 0, 0, 0, 0]),
@@ -75,7 +76,8 @@ const QUANTITIES: [(&str, [i32; BASE_COUNT]); 20] = [
     ("a temperature", [0, 0, 0, 0, 1, 0, 0, 0]),
 ];
 
-/// Physical dimension: exponents of the base dimensions.
+/// Physical dimension: the exponents of the base dimensions and of the free dimensions, which stand for unknown units
+/// of type parameters.
 #[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Debug)]
 pub struct Dimension([Ratio; EXPONENT_COUNT]);
 
@@ -89,7 +91,7 @@ impl Dimension {
     /// Dimension of a plane angle, rad.
     pub const ANGLE: Dimension = Dimension::base(BaseDim::Angle);
 
-    /// Returns the dimension of a base quantity.
+    /// Returns the dimension of a quantity that is measured in the unit of one base dimension.
     #[must_use]
     pub const fn base(base: BaseDim) -> Dimension {
         let mut exponents = [Ratio::ZERO; EXPONENT_COUNT];
@@ -97,7 +99,8 @@ impl Dimension {
         Dimension(exponents)
     }
 
-    /// Returns free dimension number `place`, below [`FREE_COUNT`]. It equals only itself.
+    /// Returns the free dimension with the index `place`, which is below [`FREE_COUNT`]. It stands for the unknown unit
+    /// of a type parameter and is equal to itself only.
     #[must_use]
     pub fn free(place: usize) -> Dimension {
         let mut exponents = [Ratio::ZERO; EXPONENT_COUNT];
@@ -105,7 +108,7 @@ impl Dimension {
         Dimension(exponents)
     }
 
-    /// Returns whether a free dimension is a factor.
+    /// Returns whether the dimension contains a free dimension, which stands for the unknown unit of a type parameter.
     #[must_use]
     pub fn has_free(self) -> bool {
         self.0[BASE_COUNT..]
@@ -113,13 +116,13 @@ impl Dimension {
             .any(|exponent| !exponent.is_zero())
     }
 
-    /// Returns the character that represents a free dimension in texts.
+    /// Returns the character that represents the free dimension with the index `place` in texts.
     #[must_use]
     pub fn free_sign(place: usize) -> &'static str {
         BASE_UNITS[BASE_COUNT + place % FREE_COUNT]
     }
 
-    /// Creates a dimension from integer exponents in the order of [`BaseDim`]; none if one is out of range.
+    /// Creates a dimension from integer exponents in the order of [`BaseDim`]; `None` if an exponent is out of range.
     #[must_use]
     pub fn from_exponents(exponents: [i32; BASE_COUNT]) -> Option<Dimension> {
         let mut dim = Dimension::ONE;
@@ -145,7 +148,7 @@ impl Dimension {
         Some(dim)
     }
 
-    /// Returns the dimension of a power; `None` if an exponent is out of range.
+    /// Returns the dimension of a power with this exponent; `None` if a resulting exponent is out of range.
     #[must_use]
     pub fn power(self, exponent: Ratio) -> Option<Dimension> {
         let mut dim = self;
@@ -161,14 +164,14 @@ impl Dimension {
         self.times(other.inverse())
     }
 
-    /// Returns the dimension of a reciprocal.
+    /// Returns the dimension of the reciprocal of a quantity: all exponents change their sign.
     #[must_use]
     pub fn inverse(self) -> Dimension {
         Dimension(self.0.map(Ratio::negate))
     }
 
-    /// Returns whether values of both dimensions may be added and compared: equal except for the angle (see
-    /// [`crate::units`]).
+    /// Returns whether values of the two dimensions may be added and compared: their exponents are equal except for
+    /// those of the angle (see [`crate::units`]).
     #[must_use]
     pub fn is_compatible(self, other: Dimension) -> bool {
         self.without_angle() == other.without_angle()
@@ -180,13 +183,15 @@ impl Dimension {
         self.is_compatible(Dimension::ONE)
     }
 
-    /// Returns the common name of a quantity of this dimension, with an article: `a speed`.
+    /// Returns the common name of a quantity of this dimension, with an article, such as `a speed`; `None` if it has
+    /// none.
     #[must_use]
     pub fn quantity_literal(self) -> Option<&'static str> {
         find_name(&QUANTITIES, self)
     }
 
-    /// Returns whether this is a pure reciprocal: no exponent is positive and at least one is negative.
+    /// Returns whether the dimension is a pure reciprocal such as `1/s`: no exponent is positive, and at least one is
+    /// negative.
     #[must_use]
     pub fn is_reciprocal(self) -> bool {
         let signed = |e: &&Ratio| !e.is_zero();
@@ -200,8 +205,8 @@ impl Dimension {
         dim
     }
 
-    /// Returns the factors of the dimension whose exponents are positive, or those whose exponents are negative, as
-    /// text without the sign.
+    /// Returns the factors of the dimension as text: those with positive exponents, or, if `negative`, those with
+    /// negative exponents without the sign.
     fn vector_product(self, negative: bool) -> Vec<String> {
         let all = BASE_UNITS.into_iter().zip(self.0);
         all.filter_map(|(unit, e)| signed_factor(unit, e, negative))
@@ -209,8 +214,8 @@ impl Dimension {
     }
 }
 
-/// Returns a power of a unit as a factor of the numerator, or of the denominator if `negative`; `None` if it belongs to
-/// the other one.
+/// Returns the power of a unit as text, as a factor of the numerator or, if `negative`, of the denominator. `None` if
+/// the exponent `e` belongs to the other part or is 0.
 fn signed_factor(unit: &str, e: Ratio, negative: bool) -> Option<String> {
     let belongs = !e.is_zero() && e.is_negative() == negative;
     let e = if negative { e.negate() } else { e };
@@ -225,8 +230,8 @@ fn force() -> Option<Dimension> {
     Dimension::from_exponents([1, 1, -2, 0, 0, 0, 0, 0])
 }
 
-/// Splits off the power of the newton that removes mass and time from a dimension: `N/m` for `kg/s^2`. `None` for
-/// dimensions that are not a power of a force times other units, such as `kg/m^3`.
+/// Separates a power of a force from a dimension so that no mass and time remain, as in `N/m` for `kg/s^2`. Returns the
+/// exponent of the force and the remaining dimension; `None` if this is not possible, as for `kg/m^3`.
 fn split_force(dim: Dimension) -> Option<(Ratio, Dimension)> {
     let exponent = dim.exponent(BaseDim::Mass);
     let is_force = !exponent.is_zero()
@@ -235,14 +240,14 @@ fn split_force(dim: Dimension) -> Option<(Ratio, Dimension)> {
     is_force.then_some((exponent, rest))
 }
 
-/// Looks up a dimension in a table of names.
+/// Returns the name of a dimension in a table of names and exponents; `None` if it is not in the table.
 fn find_name(table: &[(&'static str, [i32; BASE_COUNT])], dim: Dimension) -> Option<&'static str> {
     let is = |row: &&(&str, [i32; BASE_COUNT])| Dimension::from_exponents(row.1) == Some(dim);
     table.iter().find(is).map(|row| row.0)
 }
 
-/// Formats the dimension as between brackets: `m/s^2`, `N`, `1/s`, `1`. Products that contain a force are written with
-/// `N`, as in tables of the field: `N/m`, not `kg/s^2`.
+/// Formats the dimension as a unit between brackets, such as `m/s^2`, `N`, `1/s` or `1`. Products that contain a force
+/// are written with `N`, as is common in engineering tables: `N/m`, not `kg/s^2`.
 impl fmt::Display for Dimension {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         if let Some(name) = find_name(&NAMED_DIMS, *self) {

@@ -2,7 +2,7 @@
 
 use std::fmt;
 
-/// Rational number in lowest terms with a positive denominator.
+/// Rational number in lowest terms with a positive denominator, used as the exponent of a unit.
 #[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Debug)]
 pub struct Ratio {
     num: i8,
@@ -10,14 +10,14 @@ pub struct Ratio {
 }
 
 impl Ratio {
-    /// The number 0.
+    /// The number 0, the exponent of a base dimension that a quantity does not have.
     pub const ZERO: Ratio = Ratio { num: 0, den: 1 };
-    /// The number 1.
+    /// The number 1, the exponent of a base dimension in its own unit.
     pub const ONE: Ratio = Ratio { num: 1, den: 1 };
-    /// One half, the exponent of a square root.
+    /// The number 1/2, the exponent of a square root.
     pub const HALF: Ratio = Ratio { num: 1, den: 2 };
 
-    /// Creates `num / den` in lowest terms; none if `den` is 0 or the result is out of range.
+    /// Creates the number `num / den` in lowest terms; `None` if `den` is 0 or the result is out of range.
     #[must_use]
     pub fn new(num: i32, den: i32) -> Option<Ratio> {
         let common = gcd(num.unsigned_abs(), den.unsigned_abs()).cast_signed();
@@ -31,14 +31,15 @@ impl Ratio {
         })
     }
 
-    /// Creates an integer; none if it is out of range.
+    /// Creates the number from an integer; `None` if it is out of range.
     #[must_use]
     pub fn from_int(value: i32) -> Option<Ratio> {
         let num = i8::try_from(value).ok()?;
         Some(Ratio { num, den: 1 })
     }
 
-    /// Converts a real to the equal ratio with a denominator of at most 12, within 1e-9; none if there is none.
+    /// Returns the ratio with a denominator of at most 12 that differs from `value` by less than about 1e-9; `None` if
+    /// there is none.
     #[must_use]
     pub fn from_real(value: f64) -> Option<Ratio> {
         (1..=12i32).find_map(|den| {
@@ -48,7 +49,7 @@ impl Ratio {
         })
     }
 
-    /// Returns the sum; `None` if it is out of range.
+    /// Returns the sum of two ratios; `None` if the numerator or denominator of the result is out of range.
     #[must_use]
     pub fn plus(self, other: Ratio) -> Option<Ratio> {
         if self.den == 1 && other.den == 1 {
@@ -59,7 +60,7 @@ impl Ratio {
         Ratio::new(a.0 * b.1 + b.0 * a.1, a.1 * b.1)
     }
 
-    /// Returns the product; `None` if it is out of range.
+    /// Returns the product of two ratios; `None` if the numerator or denominator of the result is out of range.
     #[must_use]
     pub fn times(self, other: Ratio) -> Option<Ratio> {
         if self.den == 1 && other.den == 1 {

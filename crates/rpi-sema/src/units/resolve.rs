@@ -5,39 +5,40 @@ use crate::units::{Dimension, Ratio};
 use rpi_diag::{Span, suggest};
 use rpi_syntax::ast::{Unit, UnitFactor};
 
-/// Meaning of a unit in the source: its dimension and its factor.
+/// Meaning of a unit in the source: its dimension, and its factor to coherent SI units.
 #[derive(Clone, Copy, PartialEq, Debug)]
 pub struct ResolvedUnit {
-    /// Product of base dimensions that the unit measures.
+    /// Physical dimension that the unit measures.
     pub dim: Dimension,
-    /// Factor from this unit to the coherent SI unit.
+    /// Factor by which a number in this unit is multiplied to get the value in the coherent SI unit.
     pub factor: Factor,
 }
 
-/// Reason why the text of a unit has no meaning.
+/// Reason why a unit in the source has no meaning.
 #[derive(Clone, PartialEq, Debug)]
 pub enum UnitError {
-    /// The unit is undefined.
+    /// A name in the unit is not the name of any unit.
     Unknown {
-        /// Unknown name in the text of the unit.
+        /// Unknown name in the unit.
         name: String,
-        /// Span of the name.
+        /// Location of the unknown name.
         span: Span,
-        /// Similar unit that may have been meant, if there is one.
+        /// Similar unit that may have been meant; `None` if there is none.
         near: Option<String>,
     },
-    /// An exponent in the unit is out of range.
+    /// An exponent in the unit is out of the supported range.
     Exponent {
-        /// Span of the unit.
+        /// Location of the whole unit.
         span: Span,
     },
 }
 
-/// Resolves a unit. `parameter` returns the dimension of a type parameter, such as `T` in `real[T/s]`. Parameters take
-/// precedence over units with the same name.
+/// Returns the dimension and factor of a unit in the source. `parameter` returns the dimension of a type parameter,
+/// such as `T` in `real[T/s]`, and `None` for other names. Type parameters take precedence over units of the same name.
 ///
 /// # Errors
-/// Undefined unit, or an exponent out of range.
+///
+/// Returns an error for an undefined unit, or for an exponent that is out of range.
 pub fn resolve(
     unit: &Unit,
     parameter: &dyn Fn(&str) -> Option<Dimension>,
@@ -76,13 +77,14 @@ fn factor(
     })
 }
 
-/// Returns whether a name is a unit of the table, with or without a prefix: `mm`, `N`.
+/// Returns whether a name is a unit, with or without a prefix, such as `mm` or `N`.
 #[must_use]
 pub fn is_unit(name: &str) -> bool {
     find_unit(name).is_some()
 }
 
-/// Looks up a unit with an optional prefix. A unit without prefix takes precedence: `min` is a minute, `cd` a candela.
+/// Returns the factor of the prefix and the unit for a name such as `mm`; `None` if there is none. A unit without a
+/// prefix takes precedence: `min` is a minute, `cd` a candela.
 fn find_unit(name: &str) -> Option<(Factor, &'static UnitDef)> {
     if let Some(row) = UNITS.iter().find(|row| row.name == name) {
         return Some((Factor::ONE, row));
@@ -104,7 +106,8 @@ fn unknown(part: &UnitFactor) -> UnitError {
     }
 }
 
-/// Suggests a unit: by another name, another case, a product without `*`, or a similar spelling.
+/// Returns the unit that was probably meant by an unknown name: a unit with another name or case, a product without
+/// `*`, or a similar spelling. `None` if there is none.
 fn suggest_unit(name: &str) -> Option<String> {
     let common = ["mm", "cm", "km", "kg", "ms", "us", "kN", "mA", "kW", "mV"];
     let all = || UNITS.iter().map(|row| row.name).chain(common);

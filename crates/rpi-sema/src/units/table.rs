@@ -2,18 +2,18 @@
 
 use crate::units::Dimension;
 
-/// Factor from a unit to the coherent SI unit, as a fraction. It is exact for powers of ten, so that `9[mm]` is the
-/// real nearest to 0.009.
+/// Factor from a unit to the coherent SI unit, as a fraction. Powers of ten are exact, so that `9[mm]` is the real
+/// number nearest to 0.009.
 #[derive(Clone, Copy, PartialEq, Debug)]
 pub struct Factor {
-    /// Numerator of the fraction.
+    /// Numerator of the factor.
     pub num: f64,
-    /// Denominator of the fraction, not 0.
+    /// Denominator of the factor, which is not 0.
     pub den: f64,
 }
 
 impl Factor {
-    /// Factor of a coherent SI unit: 1.
+    /// Factor of a coherent SI unit, which is 1.
     pub const ONE: Factor = Factor { num: 1.0, den: 1.0 };
 
     /// Returns the product of two factors.
@@ -35,30 +35,30 @@ impl Factor {
         (0..exponent.unsigned_abs()).fold(Factor::ONE, |whole, _| whole.times(Factor { num, den }))
     }
 
-    /// Converts a number from this unit to the coherent SI unit.
+    /// Returns a number in this unit as a number in the coherent SI unit.
     #[must_use]
     pub fn apply(self, value: f64) -> f64 {
         value * self.num / self.den
     }
 }
 
-/// Unit of measure in the table of units, without prefix.
+/// Unit of measure in the table of units, without a prefix.
 #[derive(Debug)]
 pub struct UnitDef {
-    /// Symbol in the source.
+    /// Symbol of the unit in the source, without a prefix, such as `m`.
     pub name: &'static str,
-    /// Name in words.
+    /// Name of the unit in words, such as "metre".
     pub doc: &'static str,
-    /// Factor to the coherent SI unit.
+    /// Factor from the unit to the coherent SI unit.
     pub factor: Factor,
-    /// Whether the unit may have a prefix.
+    /// Whether the unit may have an SI prefix, as in `mm`.
     pub takes_prefix: bool,
-    /// Exponents of kg, m, s, A, K, mol, cd, rad.
+    /// Exponents of the base units kg, m, s, A, K, mol, cd and rad, in this order.
     exponents: [i32; 8],
 }
 
 impl UnitDef {
-    /// Dimension of the unit.
+    /// Returns the physical dimension of the unit.
     #[must_use]
     pub fn dim(&self) -> Dimension {
         Dimension::from_exponents(self.exponents).unwrap_or(Dimension::ONE)
@@ -83,8 +83,8 @@ const fn row(
 
 use std::f64::consts::PI;
 
-/// All units without prefixes: BIPM, The International System of Units, 9th edition, tables 2, 4 and 8, and units
-/// common for machines.
+/// All units without prefixes. Source: BIPM, The International System of Units, 9th edition, tables 2, 4 and 8. Units
+/// that are common for machines are added.
 #[rustfmt::skip]
 pub const UNITS: &[UnitDef] = &[
     row("m",      "metre",              (1.0, 1.0),            true,  [0, 1, 0, 0, 0, 0, 0, 0]),
@@ -128,7 +128,7 @@ pub const UNITS: &[UnitDef] = &[
     row("ppm",    "part per million",   (1.0, 1e6),            false, [0; 8]),
 ];
 
-/// Other names and spellings of units that users may try, each with the unit to suggest.
+/// Other names and spellings of units that users may try, each with the unit that is suggested instead.
 pub(super) const ALIASES: &[(&str, &str)] = &[
     ("meter", "m"),
     ("metre", "m"),
@@ -186,7 +186,7 @@ pub(super) const ALIASES: &[(&str, &str)] = &[
     ("in", "inch"),
 ];
 
-/// SI prefixes.
+/// SI prefixes of units with their factors.
 #[rustfmt::skip]
 pub(super) const PREFIXES: &[(&str, Factor)] = &[
     ("da", Factor { num: 10.0, den: 1.0 }),

@@ -12,8 +12,8 @@ use rpi_net::passes::mark_live::has_effect;
 use rpi_net::passes::unused_flows::unused;
 use std::collections::{BTreeMap, BTreeSet};
 
-/// Returns a warning for each local flow that nothing reads, in any instance of its unit. A leading `_` in the name
-/// suppresses the warning.
+/// Returns a warning for each local flow of the first module that nothing reads, in any instance of its unit. A leading
+/// `_` in the name suppresses the warning.
 pub(super) fn unread(program: &Program<'_>, units: &[Unit]) -> Vec<Diagnostic> {
     let decls = program.root().decls.iter();
     let own: FastSet<Span> = decls.map(|id| program.decl(*id).span).collect();
@@ -40,7 +40,8 @@ pub(super) fn unread(program: &Program<'_>, units: &[Unit]) -> Vec<Diagnostic> {
     found.into_values().collect()
 }
 
-/// Returns the spans of the local flows that are read (`wanted`), or not read, in some instance of their unit.
+/// Returns the locations of the local flows that are read (`wanted` is true) or not read in some instance of their
+/// unit. `units` has each unit with whether each of its flows is read.
 fn local_flow_spans<'u>(
     units: &'u [(&Unit, Vec<bool>)],
     wanted: bool,
@@ -57,7 +58,7 @@ fn is_checked_local(flow: &Flow) -> bool {
     flow.role == FlowRole::Local && !flow.name.starts_with('_')
 }
 
-/// Returns for each flow whether an expression, a clock or an automaton reads it.
+/// Returns for each flow of a unit, by index, whether an expression, a clock or an automaton reads it.
 fn read(unit: &Unit) -> Vec<bool> {
     let mut read = vec![false; unit.flows.len()];
     for expr in &unit.exprs {
@@ -80,7 +81,7 @@ fn read(unit: &Unit) -> Vec<bool> {
     read
 }
 
-/// Returns, for the check of unused flows, each flow that an equation defines, paired with the equation.
+/// Returns each flow that an equation defines, paired with the equation, for the check of unused flows.
 fn defined<'u>(
     unit: &'u Unit,
     equation: &'u Equation,
@@ -92,8 +93,8 @@ fn defined<'u>(
     })
 }
 
-/// Returns whether the only value of an equation may have a side effect, so that it need not be read. Other such values
-/// are checked on the net.
+/// Returns whether the value of an equation with one target may have a side effect, so that its flow need not be read.
+/// Whether the flow is really unused is then decided after elaboration to a net.
 fn may_have_side_effect(unit: &Unit, equation: &Equation) -> bool {
     let is_effect = |kind: &TypedKind| match kind {
         TypedKind::Call(_) => true,
@@ -113,12 +114,17 @@ fn may_have_side_effect(unit: &Unit, equation: &Equation) -> bool {
     false
 }
 
-/// Creates the warning about an unused flow. For one of several results it points at the name, because the other
-/// results may be needed.
+/// Returns the warning about an unused flow. If the equation defines several flows, the warning is at the name of the
+/// flow, because the others may be needed; otherwise it is at the value.
 fn diagnostic(unit: &Unit, flow: &Flow, equation: &Equation) -> Diagnostic {
-    let at = match &equation.targets[..] {
-        [_] => unit.expr(equation.value).span,
-        _ => flow.span,
-    };
-    unused(at, &flow.name)
+    match &equation.targets[..] {
+        [_] => unused(unit.expr(equation.value).span, &flow.name),
+        _ => Diagnostic {
+            help: vec![format!(
+                "write `_` in its place, or rename it to `_{}`",
+                flow.name
+            )],
+            ..unused(flow.span, &flow.name)
+        },
+    }
 }

@@ -21,7 +21,7 @@ use rpi_diag::Diagnostic;
 use rpi_syntax::Dialect;
 use rpi_syntax::ast::{Visitor, Walker};
 
-/// Returns warnings about unused parts of the first module.
+/// Returns warnings about unused parts of the first module: modules, local flows, parameters, states and steps.
 #[must_use]
 pub fn unused_warnings(program: &Program<'_>, units: &[Unit]) -> Vec<Diagnostic> {
     let mut diagnostics: Vec<Diagnostic> = program.unused_module_warnings().collect();
@@ -40,7 +40,7 @@ pub fn unused_warnings(program: &Program<'_>, units: &[Unit]) -> Vec<Diagnostic>
     diagnostics
 }
 
-/// Visits the expressions and statements of a declaration that can contain unused items.
+/// Visits the parts of a declaration, such as expressions and statements, that can use names or contain unused items.
 fn walk<'a>(kind: DeclKind<'a>, visitor: &mut dyn Visitor<'a>) {
     let mut walk = Walker::new(visitor);
     match kind {
@@ -54,8 +54,8 @@ fn walk<'a>(kind: DeclKind<'a>, visitor: &mut dyn Visitor<'a>) {
     }
 }
 
-/// Returns the unreachable vertices of a graph that are not only successors of other unreachable vertices. `start` is
-/// the entry vertex. Vertices for which `counts` is false are ignored.
+/// Returns the unreachable vertices of a graph, without those that only follow other unreachable vertices. `leads` has
+/// the successors of each vertex, and `start` is the entry vertex. Vertices for which `counts` is false are ignored.
 fn unreachable_heads(
     leads: &[&[usize]],
     start: Option<usize>,
@@ -82,7 +82,8 @@ fn unreachable_heads(
     heads
 }
 
-/// Returns for each vertex whether it is in `open` or reachable from it.
+/// Returns for each vertex of a graph whether it is in `open` or reachable from a vertex in `open`. `leads` has the
+/// successors of each vertex.
 fn reached_from(leads: &[&[usize]], mut open: Vec<usize>) -> Vec<bool> {
     let mut reached = vec![false; leads.len()];
     while let Some(at) = open.pop() {

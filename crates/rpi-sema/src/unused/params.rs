@@ -7,10 +7,10 @@ use rpi_diag::{Code, Diagnostic, Fix};
 use rpi_syntax::Name;
 use rpi_syntax::ast::{Ident, NodeDef, NodeKind, Signature, VarDecl, Visitor};
 
-/// Name of a parameter or in-port, and the word for its kind in messages.
+/// Name of a parameter or in-port, and the word for its kind in messages, such as "in-port".
 type ParamName<'a> = (&'a Ident, &'static str);
 
-/// Parameters that no visited expression reads.
+/// Parameters and in-ports that no expression visited so far reads.
 struct UnusedParams<'a>(Vec<ParamName<'a>>);
 
 impl<'a> Visitor<'a> for UnusedParams<'a> {
@@ -19,8 +19,8 @@ impl<'a> Visitor<'a> for UnusedParams<'a> {
     }
 }
 
-/// Returns a warning for each parameter and in-port that a declaration does not read. A leading `_` in the name
-/// suppresses the warning.
+/// Returns a warning for each static parameter, parameter and in-port that a declaration does not read. A leading `_`
+/// in the name suppresses the warning.
 pub(super) fn unread(decl: &Decl<'_>) -> Vec<Diagnostic> {
     let mut left = parameters(decl.kind);
     left.retain(|(name, _)| !name.name.starts_with('_'));
@@ -34,8 +34,8 @@ pub(super) fn unread(decl: &Decl<'_>) -> Vec<Diagnostic> {
         .collect()
 }
 
-/// Returns the parameters and in-ports that a declaration could read. External declarations, contracts and aliases do
-/// not choose their own ports.
+/// Returns the parameters and in-ports of a declaration that its body could read. Ports of external declarations,
+/// contracts and aliases are left out, because others decide which ports these have.
 fn parameters(kind: DeclKind<'_>) -> Vec<ParamName<'_>> {
     let vars: [(&[VarDecl], &'static str); 2] = match kind {
         DeclKind::Node(node) if node.kind == NodeKind::Contract => return Vec::new(),

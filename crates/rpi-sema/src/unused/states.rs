@@ -7,7 +7,7 @@ use crate::unused::walk;
 use rpi_diag::{Code, Diagnostic};
 use rpi_syntax::ast::{Automaton, State, Visitor};
 
-/// Warnings about the automata of a declaration.
+/// Warnings about unreachable states of the automata of a declaration.
 struct UnreachableStates(Vec<Diagnostic>);
 
 impl<'a> Visitor<'a> for UnreachableStates {
@@ -20,7 +20,8 @@ impl<'a> Visitor<'a> for UnreachableStates {
     }
 }
 
-/// Returns a warning for each unreachable state. A state that only follows another unreachable state is not reported.
+/// Returns a warning for each unreachable state of the automata of a declaration. A state that only follows another
+/// unreachable state is not reported.
 pub(super) fn unreached(kind: DeclKind<'_>) -> Vec<Diagnostic> {
     let mut found = UnreachableStates(Vec::new());
     walk(kind, &mut found);
@@ -55,7 +56,7 @@ fn diagnostic(state: &State) -> Diagnostic {
     )
     .primary(name.span, "this state is never active")
     .help(format!(
-        "add a transition to it (`then {}`), or delete it",
+        "add a transition from a reachable state (`then {}`), or delete the state",
         name.name
     ))
 }

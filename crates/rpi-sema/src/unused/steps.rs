@@ -6,7 +6,8 @@ use rpi_diag::{Code, Diagnostic, Span};
 use rpi_syntax::Name;
 use rpi_syntax::ast::{Ident, NextStep, ResultPattern, Run, Step, StepKind, TaskDecl};
 
-/// Returns a warning for each unreachable step. A step that only follows another unreachable step is not reported.
+/// Returns a warning for each unreachable step of a task. A step that only follows another unreachable step is not
+/// reported.
 pub(super) fn unreached(
     program: &Program<'_>,
     module: ModuleId,
@@ -24,15 +25,16 @@ pub(super) fn unreached(
     places.map(diagnostic).collect()
 }
 
-/// Step of a task as a vertex of the graph of steps, with its successors.
+/// Step of a task as a vertex of the graph of steps, with the indices of its successors.
 #[derive(Default)]
 struct StepVertex<'a> {
-    /// Name of the step and span of what it runs; for several steps, of the first. None for a step that runs nothing.
+    /// Label of the step, and location of the command or task that it runs; for `repeat` and `parallel`, those of the
+    /// first one. `None` for a step that runs nothing.
     place: Option<(Option<&'a Ident>, Span)>,
     leads: Vec<usize>,
 }
 
-/// Graph of the steps of a task. Steps of inner lists follow those of the list around them.
+/// Graph of the steps of a task. The steps of an inner list come after those of the list that contains it.
 struct Steps<'p, 'a> {
     program: &'p Program<'p>,
     module: ModuleId,
@@ -40,8 +42,8 @@ struct Steps<'p, 'a> {
 }
 
 impl<'a> Steps<'_, 'a> {
-    /// Adds a list of steps that is followed by step `behind`, and returns its first step. In the list of visible
-    /// names, inner names come last.
+    /// Adds a list of steps to the graph and returns the index of its first step. `behind` is the step after the list,
+    /// and `around` are the labels that are visible around the list, those of inner lists last.
     fn list(
         &mut self,
         steps: &'a [Step],
@@ -94,8 +96,8 @@ impl<'a> Steps<'_, 'a> {
         StepVertex { place, leads }
     }
 
-    /// Returns the successors of a step: the targets of its branches, and the next step unless the branches cover all
-    /// results.
+    /// Returns the indices of the successors of a step: the targets of its branches, and the next step unless the
+    /// branches cover all results.
     fn targets(&self, run: &Run, next: Option<usize>, names: &[(&'a Name, usize)]) -> Vec<usize> {
         let branches = run.branches.iter();
         let to = branches.clone().filter_map(|branch| match &branch.next {
@@ -122,7 +124,8 @@ fn named(names: &[(&Name, usize)], label: &Name) -> Option<usize> {
     found.map(|(_, at)| *at)
 }
 
-/// Returns the label of a step, and the span of what it runs first; `None` for a step that runs nothing.
+/// Returns the label of a step, and the location of the command or task that it runs first; `None` for a step that runs
+/// nothing.
 fn place_of(step: &Step) -> Option<(Option<&Ident>, Span)> {
     match &step.kind {
         StepKind::Run(run) => Some((run.label.as_ref(), run.callee.span)),
@@ -145,7 +148,7 @@ fn diagnostic((label, span): (Option<&Ident>, Span)) -> Diagnostic {
         ),
         None => (
             "this step".to_owned(),
-            "the step before it never continues with the next one: name this step and add a branch to it, or delete it".to_owned(),
+            "the step before it never continues with the next one: change its branches, or give its `repeat` a number of times; or delete this step".to_owned(),
         ),
     };
     Diagnostic::new(Code::RPI8007, format!("{what} is unreachable"))

@@ -7,56 +7,59 @@ use super::parse;
 use super::subscriber::DioSubscriber;
 use crate::condition::{self, Expr, FactExpr};
 use crate::limits::OnLoss;
-use crate::peer::Peer;
+use crate::role::{Identity, Right};
 use crate::state::{
     ApiError, Client, Language, LoadRequest, Reply, RuleRequest, SessionPolicy, SharedState,
     TOO_MANY_SUBSCRIPTIONS, WatchRequest,
 };
 use crate::transport::{ConnectionHandler, Outbox};
 
-/// Supported protocol version; all versions with the same major number are accepted.
+/// Supported version of the DirectIO protocol. Clients may use any version with the same major number.
 const VERSION: &str = "2.0";
 
-/// Delay between the last values and the end of a command. Clients of the reference system queue values but handle
-/// states at once, so without the delay they would see the end before the result that caused it.
+/// Delay between the last values of a command and the report of its end. Clients of the reference system (the control
+/// core of the Robotics API) queue values but handle states at once, so without the delay they would see the end before
+/// the result that caused it.
 const END_DELAY: Duration = Duration::from_millis(20);
 
-/// Connection of one client that uses the DirectIO protocol of the reference system.
+/// Connection of one client that uses DirectIO, the protocol of the Robotics API.
 pub(crate) struct DioConnection {
     state: SharedState,
     client: Client,
+    who: Identity,
     outbox: Outbox,
-    /// Names of the sessions that the client has opened or taken over.
+    /// Names of the sessions that belong to this client: opened by the client, or taken over from a disconnected one.
     sessions: Vec<String>,
 }
 
-/// Function that carries out one kind of DirectIO request.
+/// Function that carries out one kind of DirectIO request. An error is sent to the client as the answer.
 type Handler = fn(&mut DioConnection, &Message) -> Result<(), ApiError>;
 
-/// Table of the requests of the DirectIO protocol: the name of each request and the function that answers it.
-const REQUESTS: &[(&str, Handler)] = &[
-    ("ver", DioConnection::version),
-    ("nse", DioConnection::new_session),
-    ("ase", DioConnection::abort_session),
-    ("nene", DioConnection::new_net),
-    ("nest", |front, m| {
+/// Table of the requests of the DirectIO protocol: the name of each request, the right that it needs and the function
+/// that answers it.
+const REQUESTS: &[(&str, Right, Handler)] = &[
+    ("ver", Right::Watch, DioConnection::version),
+    ("nse", Right::Load, DioConnection::new_session),
+    ("ase", Right::Move, DioConnection::abort_session),
+    ("nene", Right::Load, DioConnection::new_net),
+    ("nest", Right::Move, |front, m| {
         front.net_op(m, |state, net, reply| state.start(net, reply))
     }),
-    ("neca", |front, m| {
+    ("neca", Right::Move, |front, m| {
         front.net_op(m, |state, net, reply| state.cancel(net, None, reply))
     }),
-    ("neab", |front, m| {
+    ("neab", Right::Move, |front, m| {
         front.net_op(m, |state, net, reply| state.abort(net, reply))
     }),
-    ("neun", |front, m| {
+    ("neun", Right::Move, |front, m| {
         front.net_op(m, |state, net, reply| state.unload(net, reply))
     }),
-    ("nesc", DioConnection::schedule),
-    ("snc", DioConnection::set_values),
-    ("gne", DioConnection::watch_net),
-    ("gse", DioConnection::watch_session),
-    ("gsy", DioConnection::watch_rule),
-    ("gde", DioConnection::watch_devices),
+    ("nesc", Right::Load, DioConnection::schedule),
+    ("snc", Right::Move, DioConnection::set_values),
+    ("gne", Right::Watch, DioConnection::watch_net),
+    ("gse", Right::Watch, DioConnection::watch_session),
+    ("gsy", Right::Watch, DioConnection::watch_rule),
+    ("gde", Right::Watch, DioConnection::watch_devices),
 ];
 
 impl ConnectionHandler for DioConnection {
@@ -77,9 +80,12 @@ impl ConnectionHandler for DioConnection {
             self.ok(&message.tag, "");
             return false;
         }
-        let known = REQUESTS.iter().find(|(name, _)| *name == message.name);
+        let known = REQUESTS.iter().find(|(name, ..)| *name == message.name);
         let done = match known {
-            Some((_, handle)) => handle(self, &message),
+            Some((name, right, handle)) => self
+                .who
+                .ensure(*right, name)
+                .and_then(|()| handle(self, &message)),
             None => Err(ApiError::Unknown(format!("request {}", message.name))),
         };
         match done {
@@ -99,18 +105,20 @@ impl Drop for DioConnection {
 }
 
 impl DioConnection {
-    pub(crate) fn new(state: SharedState, peer: Peer, out: Outbox) -> DioConnection {
-        let client = state.lock().objects.client(peer);
+    pub(crate) fn new(state: SharedState, who: Identity, out: Outbox) -> DioConnection {
+        let client = state.lock().objects.client(&who);
         DioConnection {
             state,
             client,
+            who,
             outbox: out,
             sessions: Vec::new(),
         }
     }
 
-    /// Checks that the client may act on these commands, tasks or sessions. Sessions of this protocol are shared with
-    /// every client that knows their names; those of the native interface belong to one client.
+    /// Returns an error if one of the named commands, tasks or sessions belongs to another client. Sessions opened over
+    /// DirectIO are open to every client that knows their names; sessions opened over JSON-RPC belong to one client by
+    /// default.
     fn ensure_may_act<'n>(&self, names: impl Iterator<Item = &'n &'n str>) -> Result<(), ApiError> {
         let (state, client) = (self.state.lock(), self.client);
         let mut names = names;
@@ -125,7 +133,7 @@ impl DioConnection {
         self.outbox.queue(answer(tag, Err(error)))
     }
 
-    /// Returns a callback that sends the result of a request with this tag.
+    /// Returns a callback that sends the result of a request to the client as an answer with this tag.
     fn reply(&self, tag: &str) -> Reply {
         let (out, tag) = (self.outbox.clone(), tag.to_owned());
         Box::new(move |result| {
@@ -159,10 +167,11 @@ impl DioConnection {
             on_loss: on_loss.and_then(OnLoss::from_name),
             grace: None,
         };
-        let name =
-            self.state
-                .lock()
-                .open_session(text_arg(message, 0)?, policy, (self.client, true))?;
+        let (name, owner) = (text_arg(message, 0)?, (self.client, true));
+        let name = self
+            .state
+            .lock()
+            .open_session(name, policy, owner, &self.who)?;
         self.ok(&message.tag, &name);
         self.sessions.push(name);
         Ok(())
@@ -320,7 +329,7 @@ fn texts_arg(message: &Message, at: usize) -> Result<Vec<&str>, ApiError> {
     })
 }
 
-/// Removes the prefix `out` that the protocol puts before export keys in a condition.
+/// Removes the prefix `out`, which DirectIO puts before the keys of exports, from all facts of a condition.
 fn without_prefix(expr: Expr) -> Expr {
     let inner = |expr: Box<Expr>| Box::new(without_prefix(*expr));
     match expr {

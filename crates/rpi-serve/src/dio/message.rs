@@ -13,22 +13,22 @@ use std::fmt::{self, Write};
 pub(crate) struct Message {
     /// Tag chosen by the client; answers and updates carry the tag of their request.
     pub(crate) tag: String,
-    /// Name of the request, answer or update.
+    /// Name of the request, answer or update, such as `nest` (start a net) or `ok`.
     pub(crate) name: String,
     /// Arguments in the order in which the message lists them.
     pub(crate) args: Vec<Arg>,
 }
 
-/// Value in a message of the DirectIO protocol.
+/// Argument in a message of the DirectIO protocol.
 #[derive(Clone, PartialEq, Debug)]
 pub(crate) enum Arg {
-    /// Text in quotation marks.
+    /// Text; in a message it is written in quotation marks.
     Text(String),
-    /// Number, always read as a real.
+    /// Number; integers are read as reals, too.
     Number(f64),
     /// List of arguments, in square brackets.
     List(Vec<Arg>),
-    /// Map; entries keep the order of the text.
+    /// Map from keys to arguments. Entries keep the order of the text.
     Map(Vec<(String, Arg)>),
 }
 
@@ -44,12 +44,12 @@ impl Message {
 }
 
 impl Arg {
-    /// Creates a text argument.
+    /// Creates an argument of the kind [`Arg::Text`].
     pub(crate) fn text(text: impl Into<String>) -> Arg {
         Arg::Text(text.into())
     }
 
-    /// Returns the text, if the argument is one.
+    /// Returns the text if the argument is a text, else `None`.
     pub(crate) fn as_text(&self) -> Option<&str> {
         match self {
             Arg::Text(text) => Some(text),
@@ -57,7 +57,7 @@ impl Arg {
         }
     }
 
-    /// Returns the number, if the argument is one.
+    /// Returns the number if the argument is a number, else `None`.
     pub(crate) fn as_number(&self) -> Option<f64> {
         match self {
             Arg::Number(number) => Some(*number),
@@ -65,7 +65,7 @@ impl Arg {
         }
     }
 
-    /// Returns the texts, if the argument is a list of texts.
+    /// Returns the texts if the argument is a list of texts, else `None`.
     pub(crate) fn as_texts(&self) -> Option<Vec<&str>> {
         match self {
             Arg::List(list) => list.iter().map(Arg::as_text).collect(),
@@ -73,7 +73,7 @@ impl Arg {
         }
     }
 
-    /// Returns the entries, if the argument is a map.
+    /// Returns the entries if the argument is a map, else `None`.
     pub(crate) fn as_map(&self) -> Option<&[(String, Arg)]> {
         match self {
             Arg::Map(entries) => Some(entries),

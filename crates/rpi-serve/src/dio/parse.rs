@@ -2,22 +2,22 @@
 
 use super::message::{Arg, Message};
 
-/// Maximum nesting depth of lists and maps; the protocol needs three levels.
+/// Maximum nesting depth of lists and maps in a message; the DirectIO protocol needs three levels.
 const MAX_DEPTH: usize = 16;
 
-/// Syntax error of a message.
+/// Syntax error of a DirectIO message.
 #[derive(Clone, PartialEq, Eq, Debug)]
 pub(crate) struct ParseError {
-    /// Byte offset of the error.
+    /// Byte offset of the error in the text of the message.
     pub(crate) offset: usize,
-    /// Expected syntax at this offset.
+    /// Description of the syntax that was expected at the offset.
     pub(crate) expected: &'static str,
 }
 
-/// Parses a message.
+/// Parses the text form `tag=name(arguments)` of a DirectIO message.
 ///
 /// # Errors
-/// If the text is not a message.
+/// If the text is not a DirectIO message.
 pub(crate) fn parse(text: &str) -> Result<Message, ParseError> {
     let mut reader = Parser { text, offset: 0 };
     let tag = reader.identifier()?;
@@ -69,7 +69,8 @@ impl<'a> Parser<'a> {
         }
     }
 
-    /// Skips blanks and returns the longest prefix of characters that satisfy `accepts`.
+    /// Skips blanks, and consumes and returns the longest prefix of characters that satisfy `accepts`. The result may
+    /// be empty.
     fn word(&mut self, accepts: fn(char) -> bool) -> &'a str {
         self.skip_blanks();
         let rest = self.rest();
@@ -86,7 +87,7 @@ impl<'a> Parser<'a> {
         }
     }
 
-    /// Parses items separated by commas, up to and including `end`.
+    /// Parses items separated by commas, up to and including the character `end`. `each` parses one item.
     fn separated<T>(
         &mut self,
         end: char,

@@ -6,7 +6,7 @@ use super::message::{Arg, Message};
 use crate::state::{DeviceInfo, Phase, RuleState, Subscriber, Update};
 use crate::transport::SubscriptionSender;
 
-/// Subscriber of a DirectIO client, which sends updates with the tag of the subscription.
+/// Subscriber for a DirectIO client: sends each update to the client with the tag of the subscription request.
 pub(super) struct DioSubscriber {
     pub(super) tag: String,
     pub(super) out: SubscriptionSender,
@@ -60,8 +60,8 @@ impl DioSubscriber {
     }
 }
 
-/// Returns the word of the DirectIO protocol for the state of a device: operational, or safe-operational (reports its
-/// state but does not move).
+/// Returns the word of the DirectIO protocol for the state of a device with this error code: `op` (operational) for 0,
+/// else `safeop` (safe-operational: the device reports its state but does not move).
 fn condition_word(code: i64) -> &'static str {
     match code {
         0 => "op",

@@ -7,7 +7,7 @@ use super::params::{literal, object_type};
 use super::subscriber;
 use crate::state::{CommandRecord, Reply, ServerState};
 
-/// Method that loads a command of a program or a net.
+/// JSON-RPC method `command.load`: loads a command from the text of a program or net.
 pub(super) fn load(front: &mut RpcConnection, call: &Call<'_>) -> MethodResult {
     let load = call.load("command")?;
     let answer = call.period_answer(front, load.period_ns);
@@ -17,7 +17,8 @@ pub(super) fn load(front: &mut RpcConnection, call: &Call<'_>) -> MethodResult {
     Ok(None)
 }
 
-/// Carries out a method that applies an operation to one command, after a check that the client may act on it.
+/// Carries out a JSON-RPC method on one command, after a check that the client may act on the command. `what` is the
+/// operation, such as start or abort; it receives the name of the command and the callback for the answer.
 pub(super) fn one(
     front: &mut RpcConnection,
     call: &Call<'_>,
@@ -30,7 +31,7 @@ pub(super) fn one(
     Ok(None)
 }
 
-/// Method that cancels a command, which must end within a time.
+/// JSON-RPC method `command.cancel`: cancels a command, which is aborted if it has not ended after a grace time.
 pub(super) fn cancel(front: &mut RpcConnection, call: &Call<'_>) -> MethodResult {
     let reply = call.deferred_reply(|_| json!({}));
     let command = call.text("command")?;
@@ -40,7 +41,7 @@ pub(super) fn cancel(front: &mut RpcConnection, call: &Call<'_>) -> MethodResult
     Ok(None)
 }
 
-/// Method that sets inputs of a command, all between the same two cycles.
+/// JSON-RPC method `command.set`: sets inputs of a command, all of them between the same two cycles.
 pub(super) fn set(front: &mut RpcConnection, call: &Call<'_>) -> MethodResult {
     let command = call.text("command")?;
     front.ensure_may_act(&[command])?;
@@ -60,7 +61,7 @@ pub(super) fn set(front: &mut RpcConnection, call: &Call<'_>) -> MethodResult {
     Ok(None)
 }
 
-/// Method that returns the state, the ports and the values of a command.
+/// JSON-RPC method `command.describe`: returns the state, the ports and the values of a command.
 pub(super) fn describe(front: &mut RpcConnection, call: &Call<'_>) -> MethodResult {
     let state = front.state.lock();
     let (_, record) = state.objects.commands.find(call.text("command")?)?;
@@ -71,7 +72,7 @@ pub(super) fn describe(front: &mut RpcConnection, call: &Call<'_>) -> MethodResu
     Ok(Some(description))
 }
 
-/// Method that returns all commands with their states.
+/// JSON-RPC method `commands`: returns all commands with their states.
 pub(super) fn list_commands(front: &mut RpcConnection, _: &Call<'_>) -> MethodResult {
     let state = front.state.lock();
     let commands = state.objects.commands.all().map(|(name, record)| {

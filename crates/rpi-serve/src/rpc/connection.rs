@@ -6,7 +6,7 @@ use super::json_size::max_values;
 use super::methods::{METHODS, Method};
 use super::reply_target::ReplyTarget;
 use crate::limits::Limits;
-use crate::peer::Peer;
+use crate::role::Identity;
 use crate::state::{ApiError, Client, Reply, SharedState};
 use crate::transport::{ConnectionHandler, Outbox};
 
@@ -14,19 +14,21 @@ use crate::transport::{ConnectionHandler, Outbox};
 pub(crate) struct RpcConnection {
     pub(super) state: SharedState,
     pub(super) client: Client,
+    /// Name, role and network origin of the client.
+    pub(super) who: Identity,
     pub(super) outbox: Outbox,
     limits: Limits,
-    /// Names of the sessions that the client has opened or taken over.
+    /// Names of the sessions that belong to this client: opened by the client, or taken over from a disconnected one.
     pub(super) sessions: Vec<String>,
 }
 
-/// Parameters and answer destination of a request.
+/// JSON-RPC request that is being carried out: its parameters, and the destination of its answer.
 pub(super) struct Call<'a> {
     pub(super) params: &'a Value,
     answers: ReplyTarget,
 }
 
-/// Result of a method. `None` if the answer follows later or was sent already.
+/// Result of a JSON-RPC method, to be sent as the answer. `None` if the answer follows later or was sent already.
 pub(super) type MethodResult = Result<Option<Value>, ApiError>;
 
 impl ConnectionHandler for RpcConnection {
@@ -79,24 +81,26 @@ impl Drop for RpcConnection {
 }
 
 impl RpcConnection {
-    /// Creates the connection of a new client.
+    /// Creates the connection of a new client with the identity `who`. `out` is the queue of messages to the client.
     pub(crate) fn new(
         state: SharedState,
-        peer: Peer,
+        who: Identity,
         out: Outbox,
         limits: Limits,
     ) -> RpcConnection {
-        let client = state.lock().objects.client(peer);
+        let client = state.lock().objects.client(&who);
         RpcConnection {
             state,
             client,
+            who,
             outbox: out,
             limits,
             sessions: Vec::new(),
         }
     }
 
-    /// Returns why a text has too many values to be read; `None` if it has not.
+    /// Returns the error message for a JSON text with more values than the limit; `None` if the text is within the
+    /// limit.
     fn excess(&self, text: &str) -> Option<String> {
         let most = self.limits.json_values;
         (max_values(text) > most).then(|| format!("a message has at most {most} values"))
@@ -127,8 +131,10 @@ impl RpcConnection {
             params: request.get("params").unwrap_or(&Value::Null),
             answers,
         };
-        let done = call
-            .check_params(method)
+        let done = self
+            .who
+            .ensure(method.needs, name)
+            .and_then(|()| call.check_params(method))
             .and_then(|()| (method.handler)(self, &call));
         match done {
             Ok(None) => true,
@@ -147,7 +153,8 @@ impl RpcConnection {
 }
 
 impl Call<'_> {
-    /// Returns an error if a parameter is unknown. A misspelt optional parameter would otherwise be ignored.
+    /// Returns an error if the request has a parameter that the method does not know. A misspelt optional parameter
+    /// would otherwise be ignored.
     fn check_params(&self, method: &Method) -> Result<(), ApiError> {
         let known = method.params;
         let given = match self.params {
@@ -174,7 +181,8 @@ impl Call<'_> {
         self.answers.success(result)
     }
 
-    /// Returns a callback that sends the answer. `result` makes it from the name of the created object.
+    /// Returns a callback that sends the answer once the request is carried out. `result` makes the answer from the
+    /// name of the created object.
     pub(super) fn deferred_reply(
         &self,
         result: impl FnOnce(String) -> Value + Send + 'static,
@@ -189,7 +197,7 @@ impl Call<'_> {
     }
 }
 
-/// Returns a "did you mean" hint if one of the known names is similar, else an empty text.
+/// Returns a "did you mean" hint if one of the `known` names is similar to `name`, else an empty text.
 pub(super) fn suggestion<'k>(name: &str, known: impl Iterator<Item = &'k str>) -> String {
     let meant = rpi_diag::suggest(name, known);
     meant.map_or_else(String::new, |m| format!("; did you mean {m}?"))

@@ -16,7 +16,7 @@ pub(super) fn list_devices(front: &mut RpcConnection, _: &Call<'_>) -> MethodRes
     Ok(Some(json!({"devices": devices})))
 }
 
-/// Method that adds a simulated device.
+/// JSON-RPC method `device.add`: adds a simulated device.
 pub(super) fn add_device(front: &mut RpcConnection, call: &Call<'_>) -> MethodResult {
     let parameters = call.optional("parameters", object_type())?;
     let parameters = parameters.into_iter().flatten();
@@ -43,7 +43,7 @@ pub(super) fn add_device(front: &mut RpcConnection, call: &Call<'_>) -> MethodRe
     Ok(None)
 }
 
-/// Method that removes a simulated device.
+/// JSON-RPC method `device.remove`: removes a simulated device that a client has added.
 pub(super) fn remove_device(front: &mut RpcConnection, call: &Call<'_>) -> MethodResult {
     let reply = call.deferred_reply(|_| json!({}));
     front.state.lock().remove_device(call.text("name")?, reply);

@@ -1,7 +1,7 @@
 //! Number of values in a JSON text, counted before any of them is made.
 
-/// Returns an upper bound of the number of values in a JSON text, those inside of others included. It reads the text
-/// once and allocates nothing; the text need not be valid.
+/// Returns an upper bound of the number of values in a JSON text, counting nested values. The function reads the text
+/// once and allocates nothing; the text need not be valid JSON.
 pub(super) fn max_values(text: &str) -> usize {
     let mut count = 1;
     let mut bytes = text.bytes();
@@ -15,7 +15,7 @@ pub(super) fn max_values(text: &str) -> usize {
     count
 }
 
-/// Moves behind the end of a string.
+/// Consumes the rest of a JSON string, including its closing quotation mark.
 fn skip_string(bytes: &mut impl Iterator<Item = u8>) {
     while let Some(byte) = bytes.next() {
         match byte {

@@ -5,17 +5,22 @@ use serde_json::json;
 
 use super::connection::{Call, MethodResult, RpcConnection};
 use super::{commands, devices, motion, rules, sessions, tasks, watch};
+use crate::role::Right;
 use crate::state::ServerState;
 
 type Handler = fn(&mut RpcConnection, &Call<'_>) -> MethodResult;
 
-/// Method of the JSON-RPC interface: its name, and the function that carries it out.
+/// Method of the JSON-RPC interface: its name, its parameters, the right that it needs, and the function that carries
+/// it out.
 pub(super) struct Method {
     pub(super) name: &'static str,
-    /// Names of its parameters.
+    /// Names of the parameters of the method.
     pub(super) params: &'static [&'static str],
-    /// Whether a malformed request or an unknown parameter is an error. An emergency stop must not fail because of one.
+    /// Whether a malformed request or an unknown parameter is an error. False for the emergency stop, which must not
+    /// fail because of a mistake in the request.
     pub(super) is_checked: bool,
+    /// Right that a client must have to call the method.
+    pub(super) needs: Right,
     pub(super) handler: Handler,
 }
 
@@ -27,9 +32,15 @@ pub(super) const METHODS: &[Method] = &[
     method(
         "session.open",
         &["name", "on_loss", "grace", "shared"],
+        Right::Load,
         sessions::open_session,
     ),
-    method("session.close", &["session"], sessions::close_session),
+    method(
+        "session.close",
+        &["session"],
+        Right::Move,
+        sessions::close_session,
+    ),
     method(
         "command.load",
         &[
@@ -41,41 +52,65 @@ pub(super) const METHODS: &[Method] = &[
             "title",
             "on_overrun",
         ],
+        Right::Load,
         commands::load,
     ),
-    method("command.start", COMMAND, |front, call| {
+    method("command.start", COMMAND, Right::Move, |front, call| {
         commands::one(front, call, ServerState::start)
     }),
-    method("command.cancel", &["command", "grace"], commands::cancel),
-    method("command.abort", COMMAND, |front, call| {
+    method(
+        "command.cancel",
+        &["command", "grace"],
+        Right::Move,
+        commands::cancel,
+    ),
+    method("command.abort", COMMAND, Right::Move, |front, call| {
         commands::one(front, call, ServerState::abort)
     }),
-    method("command.unload", COMMAND, |front, call| {
+    method("command.unload", COMMAND, Right::Move, |front, call| {
         commands::one(front, call, ServerState::unload)
     }),
-    method("command.set", &["command", "values"], commands::set),
-    method("command.describe", COMMAND, commands::describe),
+    method(
+        "command.set",
+        &["command", "values"],
+        Right::Move,
+        commands::set,
+    ),
+    method(
+        "command.describe",
+        COMMAND,
+        Right::Watch,
+        commands::describe,
+    ),
     method(
         "command.schedule",
         &["command", "after", "results", "keep"],
+        Right::Load,
         rules::schedule,
     ),
     method(
         "rule.make",
         &["when", "stop", "cancel", "start", "keep"],
+        Right::Load,
         rules::make_rule,
     ),
-    method("rule.withdraw", &["rule"], rules::withdraw),
+    method("rule.withdraw", &["rule"], Right::Move, rules::withdraw),
     method(
         "watch.command",
         &["command", "period"],
+        Right::Watch,
         watch::watch_command,
     ),
-    method("watch.rule", &["rule"], watch::watch_rule),
-    method("watch.session", &["session"], watch::watch_session),
-    method("watch.devices", &[], watch::watch_devices),
-    method("watch.task", TASK, tasks::watch),
-    method("watch.emergency", &[], tasks::watch_emergency),
+    method("watch.rule", &["rule"], Right::Watch, watch::watch_rule),
+    method(
+        "watch.session",
+        &["session"],
+        Right::Watch,
+        watch::watch_session,
+    ),
+    method("watch.devices", &[], Right::Watch, watch::watch_devices),
+    method("watch.task", TASK, Right::Watch, tasks::watch),
+    method("watch.emergency", &[], Right::Watch, tasks::watch_emergency),
     method(
         "task.load",
         &[
@@ -87,51 +122,76 @@ pub(super) const METHODS: &[Method] = &[
             "title",
             "on_overrun",
         ],
+        Right::Load,
         tasks::load,
     ),
-    method("task.start", TASK, |front, call| {
+    method("task.start", TASK, Right::Move, |front, call| {
         tasks::task_op(front, call, ServerState::start_task)
     }),
-    method("task.cancel", TASK, |front, call| {
+    method("task.cancel", TASK, Right::Move, |front, call| {
         tasks::task_op(front, call, ServerState::cancel_task)
     }),
-    method("task.unload", TASK, |front, call| {
+    method("task.unload", TASK, Right::Move, |front, call| {
         tasks::task_op(front, call, ServerState::unload_task)
     }),
-    method("task.describe", TASK, tasks::describe),
-    method("tasks", &[], tasks::list),
+    method("task.describe", TASK, Right::Watch, tasks::describe),
+    method("tasks", &[], Right::Watch, tasks::list),
     Method {
         name: "emergency.stop",
         params: &["by"],
         is_checked: false,
+        needs: Right::Stop,
         handler: tasks::stop,
     },
-    method("motion.set", &["override", "paused"], motion::set),
-    method("motion.state", &[], motion::state),
-    method("watch.motion", &[], motion::watch),
-    method("emergency.reset", &[], tasks::reset),
-    method("emergency.state", &[], tasks::state),
-    method("device.list", &[], devices::list_devices),
+    method(
+        "motion.set",
+        &["override", "paused"],
+        Right::Move,
+        motion::set,
+    ),
+    method("motion.state", &[], Right::Watch, motion::state),
+    method("watch.motion", &[], Right::Watch, motion::watch),
+    method("emergency.reset", &[], Right::Reset, tasks::reset),
+    method("emergency.state", &[], Right::Stop, tasks::state),
+    method("device.list", &[], Right::Watch, devices::list_devices),
     method(
         "device.add",
         &["name", "type", "parameters"],
+        Right::Load,
         devices::add_device,
     ),
-    method("device.remove", &["name"], devices::remove_device),
-    method("commands", &[], commands::list_commands),
-    method("ping", &[], |_, _| Ok(Some(json!({})))),
+    method(
+        "device.remove",
+        &["name"],
+        Right::Load,
+        devices::remove_device,
+    ),
+    method("commands", &[], Right::Watch, commands::list_commands),
+    method(
+        "client.describe",
+        &[],
+        Right::Stop,
+        sessions::describe_client,
+    ),
+    method("ping", &[], Right::Stop, |_, _| Ok(Some(json!({})))),
 ];
 
-const fn method(name: &'static str, params: &'static [&'static str], act: Handler) -> Method {
+const fn method(
+    name: &'static str,
+    params: &'static [&'static str],
+    needs: Right,
+    act: Handler,
+) -> Method {
     Method {
         name,
         params,
         is_checked: true,
+        needs,
         handler: act,
     }
 }
 
-/// Returns the methods of the JSON-RPC interface: for each one its name and the names of its parameters.
+/// Returns all methods of the JSON-RPC interface: for each one its name and the names of its parameters.
 pub fn methods() -> impl Iterator<Item = (&'static str, &'static [&'static str])> {
     METHODS.iter().map(|method| (method.name, method.params))
 }

@@ -4,6 +4,8 @@ mod commands;
 mod connection;
 mod devices;
 mod json_size;
+#[cfg(test)]
+mod lost_watchers;
 mod methods;
 mod motion;
 mod params;

@@ -9,8 +9,8 @@ use super::connection::{Call, RpcConnection};
 use crate::state::{ApiError, Language, LoadRequest};
 
 impl<'a> Call<'a> {
-    /// Returns the request to load a command or task, from the parameters. `named` is the parameter with the name of
-    /// the command or task within the text.
+    /// Returns the request to load a command or task, read from the parameters. `named` is the key of the parameter
+    /// with the name of the command or task to load, which the text may have several of.
     pub(super) fn load(&self, named: &str) -> Result<LoadRequest<'a>, ApiError> {
         let languages = [("rpi", Language::Rpi), ("rpinet", Language::Rpinet)];
         let language = self.one_of("language", &languages)?;
@@ -25,14 +25,15 @@ impl<'a> Call<'a> {
         })
     }
 
-    /// Returns the overrun policy in the parameters, if there is one.
+    /// Returns the policy in the parameter `on_overrun` for cycles that take too long; `None` without this parameter.
     fn on_overrun(&self) -> Result<Option<CommandOverrunPolicy>, ApiError> {
         let text = self.optional("on_overrun", text_type())?;
         let policy = text.map(str::parse).transpose();
         policy.map_err(|why| ApiError::Invalid(format!("on_overrun: {why}")))
     }
 
-    /// Returns a function that makes the answer to a load: the name and the period, and whether the period was rounded.
+    /// Returns a function that makes the answer to a load request from the kind and name of the loaded object. The
+    /// answer has the name, the period in seconds, and whether the requested period was rounded to whole ticks.
     pub(super) fn period_answer(
         &self,
         front: &RpcConnection,
@@ -49,12 +50,12 @@ impl<'a> Call<'a> {
         }
     }
 
-    /// Returns a Boolean parameter; false if it is missing.
+    /// Returns the Boolean parameter `key`; false if it is missing.
     pub(super) fn boolean(&self, key: &str) -> Result<bool, ApiError> {
         Ok(self.optional(key, boolean_type())?.unwrap_or(false))
     }
 
-    /// Returns the number in the field `key` of a request, which must be from 0 to 1; `None` without the field.
+    /// Returns the number in the parameter `key`, which must be from 0 to 1; `None` without this parameter.
     pub(super) fn optional_share(&self, key: &str) -> Result<Option<f64>, ApiError> {
         let share = self.optional(key, number_type())?;
         match share {
@@ -65,12 +66,13 @@ impl<'a> Call<'a> {
         }
     }
 
-    /// Returns an optional Boolean parameter.
+    /// Returns the Boolean parameter `key`; `None` if it is missing.
     pub(super) fn optional_flag(&self, key: &str) -> Result<Option<bool>, ApiError> {
         self.optional(key, boolean_type())
     }
 
-    /// Returns the value that belongs to a parameter with a fixed set of words; `None` if it is missing.
+    /// Returns the value that `words` assigns to the word in the parameter `key`; `None` if the parameter is missing.
+    /// Any other word is an error.
     pub(super) fn one_of<T: Copy>(
         &self,
         key: &str,
@@ -85,7 +87,7 @@ impl<'a> Call<'a> {
         found.map(|(_, meant)| Some(*meant)).ok_or_else(bad)
     }
 
-    /// Returns an optional parameter, or an error if its value has the wrong type.
+    /// Returns the parameter `key`, `None` if it is missing, or an error if its value has the wrong type.
     pub(super) fn optional<T>(
         &self,
         key: &str,
@@ -105,23 +107,24 @@ impl<'a> Call<'a> {
         }
     }
 
-    /// Returns a required parameter, or an error if it is missing or its value has the wrong type.
+    /// Returns the parameter `key`, or an error if it is missing or its value has the wrong type.
     pub(super) fn required<T>(&self, key: &str, kind: ParamType<'a, T>) -> Result<T, ApiError> {
         let lacks = || ApiError::Invalid(format!("the parameter {key} is missing: {}", kind.0));
         self.optional(key, kind)?.ok_or_else(lacks)
     }
 
-    /// Returns a required text.
+    /// Returns the text in the parameter `key`, or an error if the parameter is missing.
     pub(super) fn text(&self, key: &str) -> Result<&'a str, ApiError> {
         self.required(key, text_type())
     }
 
-    /// Returns a list of texts; an empty one if the parameter is missing.
+    /// Returns the list of texts in the parameter `key`; an empty list if the parameter is missing.
     pub(super) fn texts(&self, key: &str) -> Result<Vec<&'a str>, ApiError> {
         Ok(self.optional(key, texts_type())?.unwrap_or_default())
     }
 
-    /// Returns an optional duration given in seconds.
+    /// Returns the duration in the parameter `key`, a number of seconds up to [`LONGEST`]; `None` if the parameter is
+    /// missing.
     pub(super) fn optional_seconds(&self, key: &str) -> Result<Option<Duration>, ApiError> {
         match self.params.get(key) {
             None | Some(Value::Null) => Ok(None),
@@ -129,7 +132,8 @@ impl<'a> Call<'a> {
         }
     }
 
-    /// Returns a duration given in seconds; `unless_said` seconds if the parameter is missing.
+    /// Returns the duration in the parameter `key`, a number of seconds up to [`LONGEST`]; `unless_said` seconds if the
+    /// parameter is missing.
     pub(super) fn seconds(&self, key: &str, unless_said: f64) -> Result<Duration, ApiError> {
         let seconds = self.optional(key, number_type())?.unwrap_or(unless_said);
         let time = Duration::try_from_secs_f64(seconds);
@@ -144,10 +148,11 @@ impl<'a> Call<'a> {
     }
 }
 
-/// Maximum duration of a time parameter.
+/// Maximum duration that a client may give in a parameter.
 const LONGEST: Duration = Duration::from_secs(3600);
 
-/// Type of a parameter: its description for error messages and the function that reads it.
+/// Type of a parameter: a description for error messages, and the function that reads the value; the function returns
+/// `None` for a value of another type.
 pub(super) type ParamType<'a, T> = (&'static str, fn(&'a Value) -> Option<T>);
 
 /// Returns the parameter type that accepts JSON strings.
@@ -186,7 +191,8 @@ fn type_name(value: &Value) -> &'static str {
     }
 }
 
-/// Returns the text of a value: a text itself, a number or Boolean in JSON notation.
+/// Returns the literal for a JSON value, as it is parsed for an input: the content of a JSON string, or the JSON text
+/// of any other value.
 pub(super) fn literal(value: &Value) -> String {
     value
         .as_str()

@@ -8,10 +8,10 @@ use serde_json::{Value, json};
 use crate::state::ApiError;
 use crate::transport::Outbox;
 
-/// Destination of the answer to a request.
+/// Destination of the answer to a JSON-RPC request: a message of its own, or a part of the answer to a batch.
 #[derive(Clone)]
 pub(super) struct ReplyTarget {
-    /// Id of the request; `None` for a notification.
+    /// Id of the request, which the answer repeats; `None` for a notification, which has no answer.
     id: Option<Value>,
     delivery: Delivery,
 }
@@ -26,11 +26,11 @@ enum Delivery {
 struct Batch {
     /// Number of requests that are not answered yet.
     left: usize,
-    /// The answers, separated by commas.
+    /// JSON texts of the answers so far, separated by commas.
     answers: String,
-    /// Greatest length of the answers in bytes.
+    /// Maximum total length of the answers in bytes.
     most: usize,
-    /// Whether the answers are longer than that, so that the others are left out.
+    /// Whether the answers exceed the maximum length. Then the further answers are replaced by one error.
     is_too_long: bool,
     out: Outbox,
 }
@@ -44,7 +44,7 @@ impl ReplyTarget {
         }
     }
 
-    /// Creates the destinations for the requests of a batch, whose answers have at most `most` bytes.
+    /// Creates a destination for each request of a batch. All answers together may have at most `most` bytes.
     pub(super) fn batch(requests: &[Value], out: &Outbox, most: usize) -> Vec<ReplyTarget> {
         let batch = Batch {
             left: requests.len(),
@@ -72,7 +72,8 @@ impl ReplyTarget {
         self.error(code, &why.to_string(), data)
     }
 
-    /// Sends an error. `data` is left out if it is null. Returns false if the client is disconnected.
+    /// Sends an error as the answer, with a JSON-RPC error code and a message. `data` is left out if it is null.
+    /// Returns false if the client is disconnected.
     pub(super) fn error(&self, code: i64, message: &str, data: Value) -> bool {
         let mut error = json!({"code": code, "message": message});
         if !data.is_null() {
@@ -81,7 +82,8 @@ impl ReplyTarget {
         self.send(json!({"error": error}))
     }
 
-    /// Returns whether the id has an allowed type: text, whole number or null, or no id at all (section 4).
+    /// Returns whether the id has a type that JSON-RPC 2.0 allows (section 4): text, whole number or null, or no id at
+    /// all.
     pub(super) fn has_valid_id(&self) -> bool {
         match &self.id {
             Some(Value::Number(number)) => number.is_i64() || number.is_u64(),
@@ -90,19 +92,20 @@ impl ReplyTarget {
         }
     }
 
-    /// Returns a destination with the id null, for a request whose own id is invalid.
+    /// Returns the destination with the id null, for a request whose own id is invalid.
     pub(super) fn with_null_id(mut self) -> ReplyTarget {
         self.id = Some(Value::Null);
         self
     }
 
-    /// Answers an invalid request, even one without an id.
+    /// Answers a request that is not valid JSON-RPC with an error, even if the request has no id. Returns false if the
+    /// client is disconnected.
     pub(super) fn invalid_request(self) -> bool {
         self.or_null_id()
             .error(-32600, "invalid request", Value::Null)
     }
 
-    /// Returns a destination with the id null if the request had none, so that it is answered in any case.
+    /// Returns the destination with the id null if the request has no id, so that even such a request is answered.
     pub(super) fn or_null_id(mut self) -> ReplyTarget {
         self.id.get_or_insert(Value::Null);
         self
@@ -145,7 +148,7 @@ impl Batch {
         self.out.queue(format!("[{answers}]"))
     }
 
-    /// Adds an answer, unless the answers would become too long.
+    /// Adds an answer to the batch, unless the answers would exceed their maximum length.
     fn add(&mut self, answer: &str) {
         self.is_too_long |= self.answers.len() + answer.len() > self.most;
         if !self.is_too_long {
@@ -161,13 +164,13 @@ impl Batch {
     }
 }
 
-/// Returns the id of a request. A request without an id is a notification.
+/// Returns the id of a request; `None` for a request without an id, which is a notification.
 fn request_id(request: &Value) -> Option<Value> {
     request.get("id").cloned()
 }
 
-/// Returns the error code and data of a failure: -32602 for invalid parameters, else a code of the range reserved for
-/// servers.
+/// Returns the JSON-RPC error code for an error, and data about the error: -32602 for invalid parameters, else a code
+/// from the range that JSON-RPC reserves for servers.
 fn error_code(why: &ApiError) -> (i64, Value) {
     match why {
         ApiError::Invalid(_) => (-32602, Value::Null),
@@ -176,9 +179,11 @@ fn error_code(why: &ApiError) -> (i64, Value) {
         ApiError::Refused(_) | ApiError::InUse(_) | ApiError::ResourceHeld(_) => {
             (-32003, Value::Null)
         }
-        ApiError::Limit(_) | ApiError::ClientShare(_) | ApiError::PeerShare(_) => {
-            (-32004, Value::Null)
-        }
+        ApiError::Limit(_)
+        | ApiError::ClientShare(_)
+        | ApiError::PeerShare(_)
+        | ApiError::NoPlace => (-32004, Value::Null),
+        ApiError::Forbidden(_) => (-32009, Value::Null),
         ApiError::OverBudget(why) => {
             let [needed, taken, granted] =
                 [why.needed_ns, why.taken_ns, why.granted_ns].map(|ns| ns as f64 * 1e-9);

@@ -6,8 +6,8 @@ use super::connection::{Call, MethodResult, RpcConnection};
 use crate::condition::{self, Expr, FactExpr};
 use crate::state::RuleRequest;
 
-/// Method that schedules `command` as the successor of `after`, for all regular ends of `after` or for some of its
-/// results.
+/// JSON-RPC method `command.schedule`: schedules `command` as the successor of `after`. The successor starts at any
+/// regular end of `after`, or only at the results that the request lists.
 pub(super) fn schedule(front: &mut RpcConnection, call: &Call<'_>) -> MethodResult {
     let after = call.text("after")?;
     let fact = |fact| Expr::Fact(after.to_owned(), fact);
@@ -36,7 +36,7 @@ pub(super) fn schedule(front: &mut RpcConnection, call: &Call<'_>) -> MethodResu
     Ok(None)
 }
 
-/// Method that creates a rule, which starts or stops commands when its condition holds.
+/// JSON-RPC method `rule.make`: creates a rule, which stops, cancels and starts commands when its condition holds.
 pub(super) fn make_rule(front: &mut RpcConnection, call: &Call<'_>) -> MethodResult {
     let when = condition::parse(call.text("when")?)?;
     let make = RuleRequest {
@@ -58,7 +58,7 @@ pub(super) fn make_rule(front: &mut RpcConnection, call: &Call<'_>) -> MethodRes
     Ok(None)
 }
 
-/// Method `rule.withdraw`: removes a rule that has not fired.
+/// JSON-RPC method `rule.withdraw`: removes a rule that has not fired.
 pub(super) fn withdraw(front: &mut RpcConnection, call: &Call<'_>) -> MethodResult {
     let reply = call.deferred_reply(|_| json!({}));
     let rule = call.text("rule")?;

@@ -1,17 +1,18 @@
 //! Updates of subscriptions: the notification `update` with the object and its changes.
 
-use rpi_core::{CommandState, MotionControls};
+use rpi_core::MotionControls;
 use serde_json::{Map, Value, json};
 
 use crate::state::{
-    DeviceInfo, Phase, RuleState, SourceLocation, Status, Step, Subscriber, TaskStatus, Update,
+    DeviceInfo, RuleState, SourceLocation, Status, Step, Subscriber, TaskStatus, Update,
     cause_text, fault_text,
 };
 use crate::transport::SubscriptionSender;
 
-/// Subscriber of a JSON-RPC client, which sends updates about one object.
+/// Subscriber for a JSON-RPC client, which sends each update about one object as a notification.
 pub(super) struct RpcSubscriber {
-    /// Kind (`command`, `task`, `rule` or `session`) and name of the object; `None` for devices and the emergency stop.
+    /// Kind (`command`, `task`, `rule` or `session`) and name of the observed object; `None` for subscriptions without
+    /// a named object: devices, the emergency stop and the override.
     pub(super) about: Option<(&'static str, String)>,
     pub(super) out: SubscriptionSender,
 }
@@ -43,7 +44,8 @@ impl Subscriber for RpcSubscriber {
     }
 }
 
-/// Returns the exported values of a command as texts that keep every bit.
+/// Returns the exported values of a command (key and literal of each) as a JSON object of texts. Texts keep all bits of
+/// a real, unlike JSON numbers.
 pub(super) fn values(values: &[(String, String)]) -> Value {
     let entries = values
         .iter()
@@ -51,14 +53,14 @@ pub(super) fn values(values: &[(String, String)]) -> Value {
     Value::Object(entries.collect::<Map<_, _>>())
 }
 
-/// Returns the override and the pause of all motions.
+/// Returns the speed override and the pause of all motions as JSON.
 pub(super) fn motion(controls: MotionControls) -> Value {
     json!({"override": controls.speed_override, "paused": controls.paused})
 }
 
-/// Returns the life-cycle state of a command and how it has ended.
+/// Returns as JSON the life-cycle state of a command and, once it has ended, how it has ended.
 pub(super) fn status(status: &Status) -> Value {
-    let mut object = json!({"state": phase(status.phase)});
+    let mut object = json!({"state": status.phase.name()});
     if let Some(ending) = &status.ending {
         object["ending"] = json!({
             "cause": cause_text(ending),
@@ -89,12 +91,12 @@ fn position(place: Option<&SourceLocation>) -> Option<&str> {
     place.and_then(|place| place.position.as_deref())
 }
 
-/// Returns the state of the emergency stop as JSON: whether everything is stopped, and who requested it.
+/// Returns the state of the emergency stop as JSON: whether it is in force, and `by` whom it was requested.
 pub(super) fn emergency(by: Option<&str>) -> Value {
     json!({"stopped": by.is_some(), "by": by})
 }
 
-/// Returns the progress of a task.
+/// Returns the progress of a task as JSON: its state, its running commands and its latest ended commands.
 pub(super) fn task(status: &TaskStatus) -> Value {
     let step = |step: &Step| {
         json!({
@@ -118,19 +120,6 @@ pub(super) fn task(status: &TaskStatus) -> Value {
     object
 }
 
-fn phase(phase: Phase) -> &'static str {
-    match phase {
-        Phase::Core(CommandState::Loading) => "loading",
-        Phase::Core(CommandState::Rejected) => "rejected",
-        Phase::Core(CommandState::Ready) => "ready",
-        Phase::Core(CommandState::Scheduled) => "scheduled",
-        Phase::Core(CommandState::Running) => "running",
-        Phase::Core(CommandState::Cancelling) => "cancelling",
-        Phase::Core(CommandState::Terminated) => "terminated",
-        Phase::Unloaded => "unloaded",
-    }
-}
-
 fn rule(state: RuleState) -> &'static str {
     match state {
         RuleState::Active => "active",
@@ -140,7 +129,7 @@ fn rule(state: RuleState) -> &'static str {
     }
 }
 
-/// Returns a device with its interfaces.
+/// Returns a device as JSON: name, type and interfaces.
 pub(super) fn device(info: &DeviceInfo) -> Value {
     let interfaces = info.interfaces.iter().map(|(name, own)| {
         let parameters = own.iter().map(|(key, value)| (key.clone(), json!(value)));

@@ -4,9 +4,10 @@ use serde_json::{Value, json};
 
 use super::connection::{Call, MethodResult, RpcConnection};
 use super::subscriber;
-use crate::state::{ApiError, ServerState};
+use crate::role::Right;
+use crate::state::{ApiError, ServerState, StopOrigin};
 
-/// Method that loads a task of a program.
+/// JSON-RPC method `task.load`: loads a task from the text of a program.
 pub(super) fn load(front: &mut RpcConnection, call: &Call<'_>) -> MethodResult {
     let load = call.load("task")?;
     let answer = call.period_answer(front, load.period_ns);
@@ -16,7 +17,8 @@ pub(super) fn load(front: &mut RpcConnection, call: &Call<'_>) -> MethodResult {
     Ok(None)
 }
 
-/// Carries out a method that applies an operation to one task, after a check that the client may act on it.
+/// Carries out a JSON-RPC method on one task, after a check that the client may act on the task. `what` is the
+/// operation, such as start or cancel; it receives the name of the task.
 pub(super) fn task_op(
     front: &mut RpcConnection,
     call: &Call<'_>,
@@ -28,7 +30,7 @@ pub(super) fn task_op(
     Ok(Some(json!({})))
 }
 
-/// Method that returns the progress of a task.
+/// JSON-RPC method `task.describe`: returns the progress of a task.
 pub(super) fn describe(front: &mut RpcConnection, call: &Call<'_>) -> MethodResult {
     let state = front.state.lock();
     Ok(Some(subscriber::task(
@@ -36,7 +38,7 @@ pub(super) fn describe(front: &mut RpcConnection, call: &Call<'_>) -> MethodResu
     )))
 }
 
-/// Method that subscribes to a task.
+/// JSON-RPC method `watch.task`: subscribes to the progress of a task.
 pub(super) fn watch(front: &mut RpcConnection, call: &Call<'_>) -> MethodResult {
     let name = call.text("task")?;
     let sink = front.sink(Some(("task", name)))?;
@@ -47,7 +49,7 @@ pub(super) fn watch(front: &mut RpcConnection, call: &Call<'_>) -> MethodResult 
     Ok(None)
 }
 
-/// Method that returns all tasks with their progress.
+/// JSON-RPC method `tasks`: returns all tasks with their progress.
 pub(super) fn list(front: &mut RpcConnection, _: &Call<'_>) -> MethodResult {
     let state = front.state.lock();
     let tasks = state.objects.tasks.all().map(|(name, title, status)| {
@@ -59,30 +61,40 @@ pub(super) fn list(front: &mut RpcConnection, _: &Call<'_>) -> MethodResult {
     Ok(Some(json!({"tasks": tasks.collect::<Value>()})))
 }
 
-/// Method that requests an emergency stop. Every authenticated client may use it.
+/// JSON-RPC method `emergency.stop`: requests an emergency stop. Every authenticated client may use it.
 pub(super) fn stop(front: &mut RpcConnection, call: &Call<'_>) -> MethodResult {
     // A malformed `by` must not prevent the stop.
     let by = call.params.get("by").and_then(Value::as_str);
     let reply = call.deferred_reply(|_| json!({}));
     let by = by.unwrap_or("a client");
+    // The name of the token is certain, `by` is what the client says.
+    let by = match &front.who.name {
+        Some(name) => format!("{by} (client {name})"),
+        None => by.to_owned(),
+    };
+    let by = (by.as_str(), StopOrigin::Client);
     front.state.lock().emergency_stop(by, reply);
     Ok(None)
 }
 
-/// Method that resets an emergency stop.
+/// JSON-RPC method `emergency.reset`: resets an emergency stop, so that commands can be started again.
 pub(super) fn reset(front: &mut RpcConnection, _: &Call<'_>) -> MethodResult {
-    front.state.lock().reset_emergency()?;
+    let by = front.who.to_string();
+    let origin = match front.who.may(Right::Release) {
+        true => StopOrigin::Operator,
+        false => StopOrigin::Client,
+    };
+    front.state.lock().reset_emergency(&by, origin)?;
     Ok(Some(json!({})))
 }
 
-/// Method that returns whether an emergency stop is in force, and who requested it.
+/// JSON-RPC method `emergency.state`: returns whether an emergency stop is in force, and who requested it.
 pub(super) fn state(front: &mut RpcConnection, _: &Call<'_>) -> MethodResult {
-    Ok(Some(subscriber::emergency(
-        front.state.lock().emergency.by(),
-    )))
+    let state = front.state.lock();
+    Ok(Some(subscriber::emergency(state.emergency.by())))
 }
 
-/// Method that subscribes to the emergency stop.
+/// JSON-RPC method `watch.emergency`: subscribes to requests and resets of the emergency stop.
 pub(super) fn watch_emergency(front: &mut RpcConnection, call: &Call<'_>) -> MethodResult {
     let sink = front.sink(None)?;
     call.answer(json!({}));

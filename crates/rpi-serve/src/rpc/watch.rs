@@ -8,7 +8,7 @@ use super::connection::{Call, MethodResult, RpcConnection};
 use super::subscriber::RpcSubscriber;
 use crate::state::{ApiError, TOO_MANY_SUBSCRIPTIONS, WatchRequest};
 
-/// Method that subscribes to a command.
+/// JSON-RPC method `watch.command`: subscribes to the state and the exported values of a command.
 pub(super) fn watch_command(front: &mut RpcConnection, call: &Call<'_>) -> MethodResult {
     let name = call.text("command")?;
     let watching = WatchRequest {
@@ -23,7 +23,7 @@ pub(super) fn watch_command(front: &mut RpcConnection, call: &Call<'_>) -> Metho
     Ok(None)
 }
 
-/// Method that subscribes to a rule.
+/// JSON-RPC method `watch.rule`: subscribes to the state of a rule.
 pub(super) fn watch_rule(front: &mut RpcConnection, call: &Call<'_>) -> MethodResult {
     let name = call.text("rule")?;
     let sink = front.sink(Some(("rule", name)))?;
@@ -34,7 +34,7 @@ pub(super) fn watch_rule(front: &mut RpcConnection, call: &Call<'_>) -> MethodRe
     Ok(None)
 }
 
-/// Method that subscribes to a session.
+/// JSON-RPC method `watch.session`: subscribes to a session, to be notified when it is closed.
 pub(super) fn watch_session(front: &mut RpcConnection, call: &Call<'_>) -> MethodResult {
     let name = call.text("session")?;
     let sink = front.sink(Some(("session", name)))?;
@@ -42,7 +42,7 @@ pub(super) fn watch_session(front: &mut RpcConnection, call: &Call<'_>) -> Metho
     Ok(Some(json!({})))
 }
 
-/// Method that subscribes to all devices.
+/// JSON-RPC method `watch.devices`: subscribes to all devices: those added and removed, and their errors.
 pub(super) fn watch_devices(front: &mut RpcConnection, call: &Call<'_>) -> MethodResult {
     let sink = front.sink(None)?;
     call.answer(json!({}));
@@ -51,7 +51,8 @@ pub(super) fn watch_devices(front: &mut RpcConnection, call: &Call<'_>) -> Metho
 }
 
 impl RpcConnection {
-    /// Creates a subscriber for updates about an object, given by kind and name.
+    /// Creates a subscriber for updates about an object, given by kind and name (`None` if the updates concern no named
+    /// object). Returns an error if the client has too many subscriptions.
     pub(super) fn sink(
         &self,
         about: Option<(&'static str, &str)>,

@@ -14,8 +14,8 @@ use super::record::{CommandRecord, has_yielded, results};
 use super::source_location::SourceLocation;
 use super::types::{ApiError, Phase, cause_text, fault_text};
 
-/// Handles the event that a command has been inserted in the core's table. `may_start` is an error during an emergency
-/// stop.
+/// Handles the event that the core has inserted the command with this number in its table. `may_start` is an error
+/// during an emergency stop.
 pub(super) fn on_inserted(
     commands: &mut Commands,
     number: u64,
@@ -35,14 +35,15 @@ pub(super) fn on_inserted(
     }
 }
 
-/// Handles the event that a command has changed its state.
+/// Handles the event that the command with this id has changed its life-cycle state.
 pub(super) fn set_phase(commands: &mut Commands, id: CommandId, state: CommandState) {
     if let Some(record) = commands.record_of(id) {
         record.set_phase(Phase::Core(state));
     }
 }
 
-/// Handles the event that a command has left a device moving, which brakes on its own.
+/// Handles the event that a command has ended while a device was moving. The device brakes within its own limits; the
+/// command's record lists its name.
 pub(super) fn on_braked(commands: &mut Commands, id: CommandId, device: String) {
     let Some(record) = commands.record_of(id) else {
         return;
@@ -59,8 +60,8 @@ pub(super) fn on_braked(commands: &mut Commands, id: CommandId, device: String) 
     }
 }
 
-/// Handles the event that the first set-points of a command do not continue those of its predecessor. Reported even if
-/// the policy allows it.
+/// Handles the event that the first set-points of a command do not continue those of its predecessor. The discontinuity
+/// is logged and reported to subscribers even if the policy allows it.
 pub(super) fn on_discontinuity(
     commands: &mut Commands,
     id: CommandId,
@@ -81,7 +82,8 @@ pub(super) fn on_discontinuity(
     log.write(format_args!("{line}"));
 }
 
-/// Handles the event that a command has ended. `stopped` is whether a rule has stopped it and started a successor.
+/// Handles the event that a command has ended. `stopped` is true if a rule has stopped the command and started a
+/// successor.
 pub(super) fn on_ended(
     commands: &mut Commands,
     id: CommandId,

@@ -11,7 +11,7 @@ use std::time::Instant;
 
 use rpi_image::{PortType, Role, Scalar, Value};
 use rpi_net::passes::Conjunction;
-use rpi_net::{Net, Node};
+use rpi_net::{Net, Node, NodeId, PortRef};
 use rpi_runtime::control::{CommandId, CommandState};
 
 use super::commands::Commands;
@@ -19,24 +19,27 @@ use super::event_log::EventLog;
 use super::record::CommandRecord;
 use super::types::Phase;
 
-/// For each Boolean export of a net, the conjunction of flows under which it is true; used to find the result that
-/// means completion.
-#[derive(Clone, Debug, Default)]
+/// Condition of each Boolean export of a net: the conjunction of flows under which the export is true. The conditions
+/// show which export reports the completion of the net's motion.
+#[derive(Clone, PartialEq, Debug, Default)]
 pub(crate) struct ResultConditions(BTreeMap<String, Conjunction>);
 
-/// Reason why the result that means completion cannot be determined.
+/// A conjunction as plain data: the required value of the cancel request, and each flow (node and port) with its value.
+pub(crate) type PlainCondition = (Option<bool>, Vec<((u32, u8), bool)>);
+
+/// Reason why the export that reports the completion of a command's motion cannot be determined.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub(crate) enum CompletionError {
-    /// Several pairs of results differ only in whether the net was cancelled.
+    /// Several pairs of exports have the same condition apart from whether the command was cancelled.
     Ambiguous,
-    /// No pair of results differs only in whether the net was cancelled, and there is no single result that could mean
-    /// completion.
+    /// No pair of exports has the same condition apart from whether the command was cancelled, and there is no single
+    /// export that could report the completion.
     NotFound,
 }
 
 impl ResultConditions {
-    /// Analyses the Boolean exports of a net. An export that is never true has no entry.
-    pub(super) fn from_net(net: &Net) -> ResultConditions {
+    /// Derives the conditions of the Boolean exports of a net. An export that is never true has no entry.
+    pub(crate) fn from_net(net: &Net) -> ResultConditions {
         let exports = net.nodes.iter().filter(|n| n.desc().role == Role::Export);
         let reason = |node: &Node| {
             let key = node.params.iter().find_map(Value::as_str)?;
@@ -46,7 +49,39 @@ impl ResultConditions {
         ResultConditions(exports.filter_map(reason).collect())
     }
 
-    /// Returns the result among `results` that means completion, or, if `cancelled`, completion of the cancellation.
+    /// Returns the conditions as plain data, by the keys of the exports.
+    pub(crate) fn to_plain(&self) -> Vec<(String, PlainCondition)> {
+        let plain = |reason: &Conjunction| {
+            let flows = reason.flows.iter();
+            let flows = flows.map(|(flow, value)| ((flow.node.0, flow.port), *value));
+            (reason.cancelled, flows.collect())
+        };
+        let conditions = self.0.iter();
+        conditions
+            .map(|(key, reason)| (key.clone(), plain(reason)))
+            .collect()
+    }
+
+    /// Creates the conditions from plain data.
+    pub(crate) fn from_plain(conditions: Vec<(String, PlainCondition)>) -> ResultConditions {
+        let flow = |((node, port), value)| {
+            let node = NodeId(node);
+            (PortRef { node, port }, value)
+        };
+        let reason = |(cancelled, flows): PlainCondition| Conjunction {
+            cancelled,
+            flows: flows.into_iter().map(flow).collect(),
+        };
+        let conditions = conditions.into_iter();
+        ResultConditions(
+            conditions
+                .map(|(key, plain)| (key, reason(plain)))
+                .collect(),
+        )
+    }
+
+    /// Returns the key among `results` of the export that reports the completion of the motion, or, if `cancelled`, the
+    /// completion of the cancellation.
     ///
     /// # Errors
     /// If the result cannot be determined.
@@ -71,8 +106,8 @@ impl ResultConditions {
         }
     }
 
-    /// Returns whether two results have the same condition, except that the net was not cancelled for the first one and
-    /// was for the second one.
+    /// Returns whether two exports have the same condition, except that the first one requires that the net was not
+    /// cancelled and the second one that it was.
     fn are_counterparts(&self, completed: &str, cancelled: &str) -> bool {
         let (Some(a), Some(b)) = (self.0.get(completed), self.0.get(cancelled)) else {
             return false;
@@ -86,27 +121,31 @@ fn is_boolean(node: &Node) -> bool {
     port.is_some_and(|p| matches!(p.ty, PortType::Scalar(Scalar::Bool)))
 }
 
-/// Knowledge about which result of a command means its completion.
+/// Data from which the export that reports the completion of a command's motion is determined, when a successor takes
+/// over before the command itself can set the export.
 #[derive(Default)]
 pub(super) struct Completion {
-    /// For each exported Boolean, the conditions under which it can be true.
+    /// Conditions under which each Boolean export of the command can be true.
     pub(super) reasons: ResultConditions,
-    /// Keys of the results that end the command: its session has made rules that stop it when one of them is true.
+    /// Keys of the Boolean exports that end the command: its client has made rules that stop the command when one of
+    /// them is true.
     end_results: Vec<String>,
-    /// Key of the result that is reported as true because another command has taken over.
+    /// Key of the export that is reported as true because a successor has taken over; `None` before the takeover, or if
+    /// the export cannot be determined.
     completion_result: Option<String>,
 }
 
 impl Completion {
-    /// Notes a result that ends the command.
+    /// Adds the key of a Boolean export that ends the command, unless it is known already.
     pub(super) fn add_end(&mut self, key: &str) {
         if !self.end_results.iter().any(|known| known == key) {
             self.end_results.push(key.to_owned());
         }
     }
 
-    /// Determines the completion result after a takeover. `values` are the current exports. Returns `None` if one of
-    /// the results that end the command is true anyway.
+    /// Determines after a takeover the key of the export that reports the completion. `values` are the current exports
+    /// (key and literal). Returns `None` if no export ends the command, or if one of those that end the command is true
+    /// anyway.
     fn resolve_completion(
         &mut self,
         cancelled: bool,
@@ -125,8 +164,8 @@ impl Completion {
     }
 }
 
-/// Determines, for a rule that has fired, the completion result of each command that it stopped in favour of a
-/// successor.
+/// Handles a rule that has fired: determines, for each command that the rule stopped in favour of a successor, the
+/// export that reports the command's completion, and logs the key.
 pub(super) fn record_takeover(commands: &mut Commands, stopped: &[CommandId], log: &mut EventLog) {
     for command in stopped {
         let Some(record) = commands.record_of(*command) else {
@@ -151,8 +190,8 @@ fn complete(record: &mut CommandRecord) -> Option<Result<String, CompletionError
     record.completion.resolve_completion(cancelled, &values)
 }
 
-/// Reports the completion results of the stopped commands: first as true, then as false again. A waiting client sees
-/// the change, and a later one does not take it for a result that a rule could still use.
+/// Reports the completion of the stopped commands to their subscribers: the determined export is reported first as
+/// true, then as false again, so that a rule that is made later does not see it as true.
 pub(super) fn report_completions(commands: &mut Commands, stopped: &[CommandId]) {
     for value in [true, false] {
         for command in stopped {
@@ -167,8 +206,8 @@ pub(super) fn report_completions(commands: &mut Commands, stopped: &[CommandId])
     }
 }
 
-/// Returns whether the firing of a rule cannot be reported yet, because a command that it stopped is not known to have
-/// run.
+/// Returns whether the firing of a rule must not be reported yet, because values of a command that the rule stopped are
+/// still withheld from a subscriber.
 pub(super) fn must_delay_report(commands: &Commands, stopped: &[CommandId]) -> bool {
     let now = Instant::now();
     stopped.iter().any(|command| {
@@ -191,8 +230,12 @@ impl std::fmt::Display for CompletionError {
 
 #[cfg(test)]
 mod tests {
-    use super::super::loader::{Language, Source};
+    use std::sync::atomic::AtomicBool;
+
     use super::*;
+    use crate::compile::{
+        CompileKind, CompileOutput, CompileRequest, Compiler, CompilerSettings, Language, Source,
+    };
 
     /// Analyses a net with these exports and the flows `c` (cancelled), `n` (not cancelled), `d` and `e` (inputs).
     fn reasons(exports: &[(&str, &str)]) -> ResultConditions {
@@ -206,14 +249,21 @@ mod tests {
         for (key, flow) in exports {
             text += &format!(",x{key}=Core::BooleanNetcommOut(inValue={flow},Key='{key}')");
         }
-        let origin = Source {
-            language: Language::Rpinet,
-            text: (text + "}").into(),
-            command: None,
+        let request = CompileRequest {
+            kind: CompileKind::Command,
+            source: Source {
+                language: Language::Rpinet,
+                text: (text + "}").into(),
+                command: None,
+            },
+            period_ns: 1_000_000,
+            tick_ns: 1_000_000,
         };
-        origin
-            .net(|net| Ok(ResultConditions::from_net(net)))
-            .unwrap()
+        let compiler = Compiler::new(&CompilerSettings::InProcess);
+        match compiler.compile(&request, None, &AtomicBool::default()) {
+            Ok(CompileOutput::Command(command)) => command.reasons,
+            other => panic!("{other:?}"),
+        }
     }
 
     #[test]

@@ -8,28 +8,33 @@ use super::pending::{OnAnswer, PendingRequest, PendingRequests};
 use super::record::CommandRecord;
 use super::types::{ApiError, Reply};
 
-/// Entries of the request queue reserved for the server itself.
+/// Number of entries of the queue to the control core that client requests leave free for requests of the server
+/// itself.
 const RESERVED_ENTRIES: usize = 1024;
 
-/// Connection of the server state to the control core, with the requests that the core has not answered and those that
-/// are not sent yet.
+/// Connection of the server state to the control core. It also has the requests that the core has not answered and
+/// those that wait for room in the request queue.
 pub(crate) struct CoreLink {
     pub(super) control: Control,
+    /// Number of requests that fit into the queue to the cycle.
+    capacity: usize,
     pending: PendingRequests,
     deferred: DeferredOps,
 }
 
 impl CoreLink {
-    /// Creates the connection.
+    /// Creates the connection from the handle that controls the core.
     pub(super) fn new(control: Control) -> CoreLink {
         CoreLink {
+            // Nothing was sent yet, so all of the queue is free.
+            capacity: control.free_requests(),
             control,
             pending: PendingRequests::default(),
             deferred: DeferredOps::default(),
         }
     }
 
-    /// Returns the next event of the core, if any.
+    /// Returns the next event of the core; `None` if there is none now.
     pub(super) fn poll(&mut self) -> Option<Event> {
         self.control.poll()
     }
@@ -45,7 +50,8 @@ impl CoreLink {
         self.pending.track(ticket, then, reply)
     }
 
-    /// Sends a request about a command to the core.
+    /// Sends a request about the command with this name to the core. `what` makes the request. The core's answer, or an
+    /// error, goes to `reply`.
     pub(super) fn send_request(
         &mut self,
         commands: &Commands,
@@ -65,27 +71,39 @@ impl CoreLink {
         }
     }
 
-    /// Returns the upper bound on the command's time per tick in nanoseconds, once it is loaded.
+    /// Returns the upper bound on the time of one cycle of the command in nanoseconds; `None` before the command is
+    /// loaded.
     pub(crate) fn bound_ns(&self, record: &CommandRecord) -> Option<u64> {
         Some(self.control.bound_ns(record.id?))
     }
 
-    /// Removes the pending request with this ticket.
+    /// Removes and returns the pending request with this ticket; `None` if there is none.
     pub(super) fn take_answered(&mut self, ticket: Ticket) -> Option<PendingRequest> {
         self.pending.take(ticket)
     }
 
-    /// Returns whether every request that was sent is answered.
+    /// Returns the name of each queue of requests with the number of its entries: requests that the cycle has not taken,
+    /// requests that it has not answered, and requests of the server that wait for room.
+    pub(crate) fn queue_depths(&self) -> [(&'static str, usize); 3] {
+        let not_taken = self.capacity.saturating_sub(self.control.free_requests());
+        [
+            ("cycle", not_taken),
+            ("unanswered", self.pending.len()),
+            ("deferred", self.deferred.len()),
+        ]
+    }
+
+    /// Returns whether the core has answered every request that was sent.
     pub(super) fn has_answered_all(&self) -> bool {
         self.pending.is_empty()
     }
 
-    /// Sends an operation on a command to the core as soon as the queue has room.
+    /// Sends an operation on the command with this id to the core as soon as the request queue has room.
     pub(super) fn defer_by_id(&mut self, id: CommandId, op: CommandOp) {
         self.push_deferred(DeferredOp::Command(id, op));
     }
 
-    /// Sends the withdrawal of a rule to the core as soon as the queue has room.
+    /// Sends the withdrawal of a rule to the core as soon as the request queue has room.
     pub(super) fn defer_withdrawal(&mut self, id: RuleId) {
         self.push_deferred(DeferredOp::Rule(id));
     }
@@ -95,14 +113,14 @@ impl CoreLink {
         self.send_deferred();
     }
 
-    /// Sends the deferred requests, as far as the queue has room.
+    /// Sends deferred requests until none is left or the request queue is full.
     pub(super) fn send_deferred(&mut self) {
         self.deferred
             .send_deferred(&mut self.control, &mut self.pending);
     }
 
-    /// Returns an error if only the reserved entries of the queue are free. Those are for deferred requests and running
-    /// tasks.
+    /// Returns an error if only the reserved entries of the request queue are free. The reserved entries are for
+    /// deferred requests and running tasks.
     pub(super) fn ensure_queue_space(&self) -> Result<(), ApiError> {
         match self.deferred.is_empty() && self.control.free_requests() > RESERVED_ENTRIES {
             true => Ok(()),

@@ -9,12 +9,12 @@ pub(crate) struct CommandDefaults {
     pub(super) tick_ns: u64,
     /// Policy for a command whose cycles take too long, unless its client specifies one.
     pub(super) on_overrun: CommandOverrunPolicy,
-    /// Policy for a takeover with a jump; `None` for the default of the language.
+    /// Policy for a takeover with a discontinuity of the set-points; `None` for the default of the command's language.
     pub(super) continuity: Option<Continuity>,
 }
 
 impl CommandDefaults {
-    /// Rounds a period up to whole ticks, at least one.
+    /// Rounds a requested period in nanoseconds up to whole ticks, at least one tick.
     pub(crate) fn round_period(&self, wanted_ns: u64) -> u64 {
         let ticks = wanted_ns.div_ceil(self.tick_ns).max(1);
         ticks.saturating_mul(self.tick_ns)

@@ -15,17 +15,17 @@ use super::pending::{OnAnswer, PendingRequests};
 pub(super) enum CommandOp {
     /// Cancels the command.
     Cancel,
-    /// Aborts the command, for this reason.
+    /// Aborts the command; the reason is reported to clients.
     Abort(AbortReason),
-    /// Unloads the command.
+    /// Removes the command from the core's table.
     Unload,
 }
 
-/// Request to the core that has not been sent yet.
+/// Request to the core that waits for room in the request queue.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub(super) enum DeferredOp {
     Command(CommandId, CommandOp),
-    /// Withdraws the rule with this id.
+    /// Withdraws the rule with this id, so that it cannot fire.
     Rule(RuleId),
 }
 
@@ -34,14 +34,15 @@ pub(super) enum DeferredOp {
 pub(super) struct DeferredOps(VecDeque<DeferredOp>);
 
 impl DeferredOps {
-    /// Adds a request, unless it waits already.
+    /// Adds a request, unless the same request is in the queue already.
     pub(super) fn push(&mut self, deferred: DeferredOp) {
         if !self.0.contains(&deferred) {
             self.0.push_back(deferred);
         }
     }
 
-    /// Sends the requests, as far as the queue of the cycle has room.
+    /// Sends requests, oldest first, until none is left or the request queue of the cycle is full. Sent requests are
+    /// added to `pending`.
     pub(super) fn send_deferred(&mut self, control: &mut Control, pending: &mut PendingRequests) {
         while let Some(deferred) = self.0.front().copied() {
             let request = match deferred {
@@ -59,7 +60,12 @@ impl DeferredOps {
         }
     }
 
-    /// Returns whether every request was sent.
+    /// Returns the number of requests that are not sent yet.
+    pub(super) fn len(&self) -> usize {
+        self.0.len()
+    }
+
+    /// Returns whether no request waits to be sent.
     pub(super) fn is_empty(&self) -> bool {
         self.0.is_empty()
     }

@@ -18,15 +18,17 @@ use crate::fair_share::Usage;
 use crate::limits::Limits;
 use crate::peer::Peer;
 
-/// Table of the devices by slot, with the copy of the devices for the loader and the subscribers to changes.
+/// Table of the devices by slot (index in the core's device table), with the subscribers to changes and a copy of the
+/// devices, with which the loader resolves names.
 pub(crate) struct Devices {
     slots: Vec<Option<DeviceInfo>>,
-    /// Peer of the client that added the device in each slot. A device outlives the connection of its client.
+    /// For each slot, the peer of the client that added the device; `None` for devices of the cell and slots that were
+    /// never used. A device outlives the connection of its client.
     makers: Vec<Option<Peer>>,
     pub(super) subscribers: Subscribers,
     replica: Arc<Mutex<DeviceReplica>>,
     seed: u64,
-    /// Number of devices of the cell, which come first. Clients cannot remove them.
+    /// Number of devices of the cell, which have the first slots. Clients cannot remove them.
     cell_count: usize,
     /// Length of a tick in seconds.
     tick: f64,
@@ -34,14 +36,14 @@ pub(crate) struct Devices {
     longest: usize,
 }
 
-/// Name of the device limit in messages.
+/// Name of the limit on the number of devices, for messages.
 const DEVICE_LIMIT: &str = "devices";
 
 /// Characters that are not allowed in a device name, because protocols and pages use them as delimiters.
 const FORBIDDEN_CHARS: &[char] = &['"', '\\', '<', '>'];
 
 impl Devices {
-    /// Creates the table with the devices of a cell and empty slots for more.
+    /// Creates the table with the devices of a cell and empty slots for devices that clients add.
     pub(super) fn from_cell(cell: &Cell, limits: &Limits, tick_ns: u64) -> Devices {
         let infos = cell
             .devices
@@ -64,7 +66,7 @@ impl Devices {
         }
     }
 
-    /// Returns the replica of the devices for the loader.
+    /// Returns the copy of the devices, with which the loader resolves names.
     pub(super) fn replica(&self) -> Arc<Mutex<DeviceReplica>> {
         Arc::clone(&self.replica)
     }
@@ -73,17 +75,19 @@ impl Devices {
         self.replica.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
-    /// Returns the number of changes of the devices.
+    /// Returns the number of changes of the devices since the server started. A changed number means that resolved
+    /// device names may be wrong.
     pub(super) fn generation(&self) -> u64 {
         self.lock_replica().generation
     }
 
-    /// Loads a command for these devices.
+    /// Loads a command from its image, with its device names resolved to the current devices. Returns all errors if it
+    /// cannot be loaded.
     pub(super) fn load(&self, image: &Arc<Image>) -> Result<Command, Vec<LoadError>> {
         Command::load(Arc::clone(image), &mut self.lock_replica().bank)
     }
 
-    /// Returns the devices of the cell, in the order of their slots.
+    /// Returns the descriptions of all devices, in the order of their slots.
     pub(crate) fn all(&self) -> impl Iterator<Item = &DeviceInfo> {
         self.slots.iter().flatten()
     }
@@ -93,19 +97,21 @@ impl Devices {
         self.all().any(|info| info.moving)
     }
 
-    /// Returns the name of the device of an actuator. The upper 16 bits of `resource` are the device slot.
+    /// Returns the name of the device to which an actuator belongs. The upper 16 bits of the resource number `resource`
+    /// are the slot of the device.
     pub(super) fn device_name(&self, resource: u32) -> String {
         let info = self.slots.get((resource >> 16) as usize);
         let info = info.and_then(Option::as_ref);
         info.map_or_else(|| "a device".to_owned(), |info| info.name.clone())
     }
 
-    /// Returns the display name of an actuator: device and index.
+    /// Returns the display name of an actuator: the device's name and the index of the actuator in the device, as in
+    /// `arm[2]`.
     pub(super) fn actuator_name(&self, resource: u32) -> String {
         format!("{}[{}]", self.device_name(resource), resource & 0xffff)
     }
 
-    /// Subscribes to devices: reports all of them now, and changes later.
+    /// Subscribes to all devices: reports each of them now, and changes later.
     pub(crate) fn watch(&mut self, mut sink: Box<dyn Subscriber>) {
         if self
             .all()
@@ -115,7 +121,7 @@ impl Devices {
         }
     }
 
-    /// Returns whether a device of this name and type exists already.
+    /// Returns whether a device of the requested name and type exists already.
     ///
     /// # Errors
     /// If the name is not allowed or belongs to a device of another type.
@@ -133,7 +139,8 @@ impl Devices {
         }
     }
 
-    /// Returns an error if the name is not allowed. It is shown unescaped in pages, messages and the log.
+    /// Returns an error if the text is not allowed as a device name. The name is shown unescaped in pages, messages and
+    /// the log.
     fn ensure_valid_name(&self, name: &str) -> Result<(), ApiError> {
         if name.len() > self.longest {
             return Err(ApiError::Limit("bytes of a name"));
@@ -147,7 +154,8 @@ impl Devices {
         }
     }
 
-    /// Adds a simulated device. Returns its slot, the device for the cycle and its description.
+    /// Adds a simulated device to the table. Returns its slot, the device for the cycle and its description for
+    /// clients.
     pub(super) fn add(
         &mut self,
         new: &NewDevice<'_>,
@@ -167,7 +175,7 @@ impl Devices {
         NamedDevice::new(spec, self.tick, self.seed, place)
     }
 
-    /// Empties a slot.
+    /// Empties the slot with this index.
     pub(super) fn clear(&mut self, place: usize) {
         self.change_replica(place, None);
         self.slots[place] = None;
@@ -179,7 +187,8 @@ impl Devices {
         replica.generation += 1;
     }
 
-    /// Returns a free slot for a device of this peer, or an error if its share is used up.
+    /// Returns the index of a free slot for a device that a client of this peer adds, or an error if all slots or the
+    /// share of the peer are used up.
     fn free_slot(&self, peer: Peer) -> Result<usize, ApiError> {
         let made = self.slots.iter().zip(&self.makers).skip(self.cell_count);
         let made = made.filter(|(device, _)| device.is_some());
@@ -196,7 +205,8 @@ impl Devices {
         self.slots.iter().position(is)
     }
 
-    /// Returns the slot of a removable device and the ended commands that used it.
+    /// Returns the slot of the device with this name, and the numbers of the ended commands that used the device.
+    /// Returns an error if the device is unknown, belongs to the cell, or is used by a command that has not ended.
     pub(super) fn removable(
         &self,
         name: &str,
@@ -220,15 +230,15 @@ impl Devices {
         }
     }
 
-    /// Handles the answer that the cycle has added a device. Returns its name.
+    /// Handles the answer that the cycle has added a device: notifies the subscribers. Returns the name of the device.
     pub(super) fn on_added(&mut self, info: DeviceInfo, log: &mut EventLog) -> String {
         self.subscribers.notify(&Update::DeviceAdded(&info));
         log.write(format_args!("device {} was added", info.name));
         info.name
     }
 
-    /// Handles the event that the error code of the device in a slot has changed, or that it has started or stopped
-    /// moving.
+    /// Handles the event that the error code (0 if there is no error) of the device in a slot has changed, or that the
+    /// device has started or stopped moving.
     pub(super) fn on_changed(&mut self, place: usize, code: i64, moving: bool, log: &mut EventLog) {
         let Some(Some(info)) = self.slots.get_mut(place) else {
             return;
@@ -243,7 +253,7 @@ impl Devices {
         }
     }
 
-    /// Handles the answer that the cycle has removed a device.
+    /// Handles the answer that the cycle has removed the device with this name: notifies the subscribers.
     pub(super) fn on_removed(&mut self, name: &str, log: &mut EventLog) {
         self.subscribers.notify(&Update::DeviceRemoved(name));
         log.write(format_args!("device {name} was removed"));

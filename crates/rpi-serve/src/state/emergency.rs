@@ -12,22 +12,36 @@ use super::pending::{OnAnswer, answer};
 use super::subscribers::Subscribers;
 use super::types::{ApiError, Reply, Subscriber, Update};
 
-/// State of the emergency stop in the server.
+/// State of the emergency stop in the server: whether it is in force, who requested it, and the subscribers to it.
 #[derive(Default)]
 pub(crate) struct Emergency {
-    /// Flag by which the cycle is requested to stop everything.
+    /// Flag that the cycle reads in each tick; while it is set, the cycle aborts all commands.
     stop_flag: Arc<AtomicBool>,
-    /// Whether the stop must still be sent as a request, whose answer shows that all earlier requests are done.
+    /// Whether the stop must still be sent as a request through the queue. The core's answer to it shows that all
+    /// earlier requests are done.
     must_repeat: bool,
-    /// Who requested the stop; `None` after a reset.
+    /// Name of the first requester of the stop; `None` if no stop is in force.
     requested_by: Option<String>,
+    /// Whether the operator is among the requesters of the stop. Then only the operator may reset it.
+    is_operators: bool,
     pub(super) watchers: Subscribers,
 }
 
-/// Maximum number of characters kept of the requester's name.
+/// Origin of a request for an emergency stop, or for its reset.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub(crate) enum StopOrigin {
+    /// A client. For a reset: a client without the right to reset the operator's stop.
+    Client,
+    /// The operator: the terminal of the server, an input of the cell, or, for a reset, a client with the right to
+    /// reset the operator's stop.
+    Operator,
+}
+
+/// Maximum number of characters of the name of a requester; the rest of a longer name is cut off.
 const MAX_NAME_CHARS: usize = 200;
 
-/// Returns the name of a requester in the form that is kept and logged: one line of limited length.
+/// Returns the name of a requester without control characters and cut to [`MAX_NAME_CHARS`] characters, for the log and
+/// for messages.
 pub(super) fn requester(by: &str) -> String {
     by.chars()
         .filter(|c| !c.is_control())
@@ -35,25 +49,30 @@ pub(super) fn requester(by: &str) -> String {
         .collect()
 }
 
+/// Error message for a client that must not reset an emergency stop of the operator.
+const OPERATORS_STOP: &str = "the operator requested the emergency stop: it is reset at the server (signal SIGUSR1) or by a client with the role operator or admin";
+
 impl Emergency {
-    /// Returns the flag that the cycle reads.
+    /// Returns the flag that the cycle reads in each tick; while it is set, the cycle aborts all commands.
     pub(crate) fn stop_flag(&self) -> Arc<AtomicBool> {
         Arc::clone(&self.stop_flag)
     }
 
-    /// Returns who requested the emergency stop in force.
+    /// Returns the name of the requester of the emergency stop in force; `None` if no stop is in force.
     pub(crate) fn by(&self) -> Option<&str> {
         self.requested_by.as_deref()
     }
 
-    /// Sets the flag: the cycle stops everything in its next tick.
-    pub(super) fn raise(&mut self, by: String) {
+    /// Sets the flag by which the cycle aborts all commands in its next tick. `by` is the name of the requester.
+    pub(super) fn raise(&mut self, by: String, origin: StopOrigin) {
         self.stop_flag.store(true, Ordering::Relaxed);
+        self.is_operators |= origin == StopOrigin::Operator;
         // The first requester is kept.
         self.requested_by.get_or_insert(by);
     }
 
-    /// Sends the stop as an ordinary request too, which the core carries out after all pending ones.
+    /// Sends the stop also as a request through the queue, which the core carries out after all earlier requests.
+    /// `reply` receives the core's answer, or an empty success at once if the queue is full.
     pub(super) fn send_stop_request(&mut self, core: &mut CoreLink, reply: Option<Reply>) {
         let ticket = core.control.emergency_stop();
         self.must_repeat = ticket.is_err();
@@ -66,28 +85,33 @@ impl Emergency {
         }
     }
 
-    /// Sends the request of [`Emergency::send_stop_request`] again if the queue was full.
+    /// Sends the request of [`Emergency::send_stop_request`] again if the queue was full at the last attempt.
     pub(super) fn repeat_stop_request(&mut self, core: &mut CoreLink) {
         if self.must_repeat {
             self.send_stop_request(core, None);
         }
     }
 
-    /// Clears the flag. Called when all requests made before the stop were carried out.
+    /// Clears the flag that stops the cycle's commands. Called once all requests made before the stop were carried out.
     pub(super) fn clear_stop_flag(&mut self) {
         self.stop_flag.store(false, Ordering::Relaxed);
     }
 
-    /// Resets the emergency stop: commands can be started again. Returns whether one was in force.
+    /// Resets the emergency stop, so that commands can be started again. `moving` is whether any device moves. Returns
+    /// whether a stop was in force.
     ///
     /// # Errors
-    /// If a device still moves or earlier requests are pending.
-    pub(super) fn reset(&mut self, moving: bool) -> Result<bool, ApiError> {
+    /// If only the operator may reset the stop, a device still moves, or earlier requests are pending.
+    pub(super) fn reset(&mut self, moving: bool, origin: StopOrigin) -> Result<bool, ApiError> {
+        if self.is_operators && origin == StopOrigin::Client {
+            return Err(ApiError::Forbidden(OPERATORS_STOP.to_owned()));
+        }
         let still = self.stop_flag.load(Ordering::Relaxed) || moving;
         if self.requested_by.is_some() && still {
             return Err(ApiError::InUse("devices are still braking".to_owned()));
         }
         let was_stopped = self.requested_by.take().is_some();
+        self.is_operators = false;
         if was_stopped {
             self.notify();
         }
@@ -100,7 +124,7 @@ impl Emergency {
         self.watchers.add(sink, &Update::Emergency(by));
     }
 
-    /// Reports the state to all subscribers.
+    /// Reports the state of the emergency stop to all subscribers.
     pub(super) fn notify(&mut self) {
         let by = self.requested_by.as_deref();
         self.watchers.notify(&Update::Emergency(by));

@@ -9,17 +9,17 @@ use super::pending::OnAnswer;
 use super::subscriptions::export_texts;
 use super::types::{ApiError, Phase, Reply};
 
-/// Callback for the exports after one cycle: key and value.
+/// Callback for the exports of a net after its single cycle: key and literal of each.
 pub(crate) type EvalCallback = Box<dyn FnOnce(Vec<(String, String)>) + Send>;
 
-/// Evaluation of a net for a single cycle that a client has requested.
+/// Request of a client to evaluate a net for a single cycle.
 pub(crate) struct Eval {
-    /// Callback for the error, if the cycle does not take place.
+    /// Callback for the error if the net is not evaluated.
     pub(super) reply: Reply,
     pub(super) callback: EvalCallback,
 }
 
-/// Reports the exports of evaluations that have run, and unloads their commands.
+/// Reports the exports of the evaluations whose single cycle has run, and unloads their commands.
 pub(super) fn finish_evals(commands: &mut Commands, core: &mut CoreLink) {
     let evals = commands.iter().filter(|(_, r)| r.eval.is_some());
     let over: Vec<u64> = evals
@@ -52,8 +52,8 @@ fn finish_eval(commands: &mut Commands, number: u64, core: &mut CoreLink) {
     commands.defer(number, CommandOp::Unload, core);
 }
 
-/// Starts the command of an evaluation for a single cycle. `may_start` is an error during an emergency stop; then only
-/// a command without actuators is started.
+/// Starts the command that evaluates a net for a single cycle. `may_start` is an error during an emergency stop; then
+/// only a command without actuators is started.
 pub(super) fn start_eval(
     commands: &mut Commands,
     number: u64,
@@ -79,7 +79,7 @@ pub(super) fn start_eval(
     }
 }
 
-/// Reports that the cycle does not take place, and unloads the command.
+/// Reports the error `why` to the client whose evaluation of a net cannot run, and unloads the command.
 pub(super) fn fail_eval(commands: &mut Commands, number: u64, why: ApiError, core: &mut CoreLink) {
     let record = commands.get_mut(number);
     if let Some(eval) = record.and_then(|r| r.eval.take()) {

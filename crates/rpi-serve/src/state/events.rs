@@ -11,7 +11,8 @@ use super::pending::{OnAnswer, PendingRequest, answer};
 use super::types::RuleState;
 
 impl ServerState {
-    /// Processes all pending events and due updates. Called periodically outside the cycle thread.
+    /// Processes all pending events of the cycle, sends deferred requests and due updates, and advances the tasks.
+    /// Called periodically outside the cycle thread.
     pub(crate) fn update(&mut self) {
         while let Some(event) = self.core.poll() {
             self.handle_event(event);
@@ -50,7 +51,7 @@ impl ServerState {
         }
     }
 
-    /// Advances all running tasks and reports their progress.
+    /// Lets all running tasks start and schedule their next commands, and reports their progress.
     fn advance_tasks(&mut self) {
         for number in self.objects.tasks.under_way() {
             self.task_core(number)
@@ -67,10 +68,13 @@ impl ServerState {
         let Some(PendingRequest { then, reply }) = self.core.take_answered(ticket) else {
             return;
         };
+        let counts = &mut self.statistics;
         let Some(why) = refused else {
+            counts.requests_done += 1;
             let name = self.on_success(then);
             return answer(reply, Ok(name));
         };
+        counts.requests_refused += 1;
         let why = self.objects.commands.refusal_error(why, &self.devices);
         match then {
             OnAnswer::RuleMade(rule) => self.rules.forget(rule),
@@ -83,7 +87,8 @@ impl ServerState {
         answer(reply, Err(why));
     }
 
-    /// Carries out the action after a request. Returns the name of the created object.
+    /// Carries out the action that follows a successful request to the core. Returns the name of the created object;
+    /// empty if the request creates none.
     fn on_success(&mut self, then: OnAnswer) -> String {
         match then {
             OnAnswer::Nothing | OnAnswer::Eval(_) => String::new(),
@@ -133,6 +138,7 @@ impl ServerState {
                 command,
                 discontinuity: jump,
             } => {
+                self.statistics.discontinuities += 1;
                 on_discontinuity(commands, command, (&jump, &self.devices), &mut self.log);
             }
             Notice::Rule { rule, outcome } => match outcome {
@@ -144,6 +150,7 @@ impl ServerState {
     }
 
     fn on_ended(&mut self, id: CommandId, ending: Ending) {
+        self.statistics.count_ending(&ending);
         let stopped = match ending.cause {
             Cause::Stopped(rule) => self.rules.takes_over(rule),
             _ => false,

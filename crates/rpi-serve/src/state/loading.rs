@@ -12,12 +12,15 @@ use super::devices::Devices;
 use super::eval::{Eval, EvalCallback};
 use super::event_log::EventLog;
 use super::load_queue::LoadQueue;
-use super::loader::{JobKind, Language, LoadJob, LoadOutput, LoadedCommand, Source};
+use super::loader::{LoadJob, LoadOutput, LoadedCommand};
 use super::objects::Objects;
 use super::quota::NO_SESSION;
 use super::record::CommandRecord;
+use super::statistics::Statistics;
 use super::tasks::TaskRecord;
 use super::types::{ApiError, Phase, Reply, truncated};
+use crate::compile::{CompileKind, CompileRequest, Language, Source};
+use crate::limits::Limits;
 use crate::task_bundle::TaskBundle;
 
 /// Request of a client to load a command or task.
@@ -28,20 +31,20 @@ pub(crate) struct LoadRequest<'a> {
     pub(crate) text: &'a str,
     /// Name of the command or task within the text; `None` if there is only one.
     pub(crate) command: Option<&'a str>,
-    /// Period in nanoseconds; 0 for one tick.
+    /// Period of the command's cycles in nanoseconds; 0 for one tick.
     pub(crate) period_ns: u64,
-    /// Policy for cycles that take too long; `None` for the server's default.
+    /// Policy for cycles that take too long; `None` for the default of the server.
     pub(crate) on_overrun: Option<CommandOverrunPolicy>,
 }
 
 impl LoadRequest<'_> {
-    /// Returns the number of bytes of the text that are kept.
+    /// Returns the number of bytes of text that the server stores for the request.
     fn bytes(&self) -> usize {
         self.text.len() + self.command.map_or(0, str::len)
     }
 }
 
-/// View of the parts of the server state that loading needs.
+/// Mutable view of the parts of the server state that loading needs.
 pub(super) struct Loading<'s> {
     pub(super) objects: &'s mut Objects,
     pub(super) core: &'s mut CoreLink,
@@ -49,12 +52,12 @@ pub(super) struct Loading<'s> {
     pub(super) devices: &'s Devices,
     pub(super) defaults: &'s CommandDefaults,
     pub(super) log: &'s mut EventLog,
-    /// Maximum length of a title in bytes.
-    pub(super) longest: usize,
+    pub(super) statistics: &'s mut Statistics,
+    pub(super) limits: &'s Limits,
 }
 
 impl ServerState {
-    /// Loads a command on the loader thread. The reply has its name.
+    /// Loads a command on the loader thread. `reply` receives the name of the command.
     pub(crate) fn load(&mut self, load: &LoadRequest<'_>, reply: Reply) {
         match self.objects.sessions.number(load.session) {
             Ok(session) => self.loading().load(session, load, None, reply),
@@ -62,7 +65,7 @@ impl ServerState {
         }
     }
 
-    /// Loads a task on the loader thread. The reply has its name.
+    /// Loads a task on the loader thread. `reply` receives the name of the task.
     pub(crate) fn load_task(&mut self, load: &LoadRequest<'_>, reply: Reply) {
         match self.objects.sessions.number(load.session) {
             Ok(session) => self.loading().load_task(session, load, reply),
@@ -70,7 +73,8 @@ impl ServerState {
         }
     }
 
-    /// Runs a net for one cycle. It must not need an actuator that another command holds.
+    /// Runs a net, given as `.rpinet` text, for a single cycle and calls `take` with its exports; `reply` receives an
+    /// error. The net must not need an actuator that another command holds.
     pub(crate) fn eval(&mut self, text: &str, take: EvalCallback, reply: Reply) {
         let load = LoadRequest {
             session: "",
@@ -89,7 +93,7 @@ impl ServerState {
         self.loading().load(NO_SESSION, &load, Some(eval), nobody);
     }
 
-    /// Returns the parts of the state that take part in loading.
+    /// Returns the parts of the state that loading needs.
     pub(super) fn loading(&mut self) -> Loading<'_> {
         Loading {
             objects: &mut self.objects,
@@ -98,7 +102,8 @@ impl ServerState {
             devices: &self.devices,
             defaults: &self.defaults,
             log: &mut self.log,
-            longest: self.limits.name_bytes,
+            statistics: &mut self.statistics,
+            limits: &self.limits,
         }
     }
 }
@@ -110,11 +115,14 @@ impl Loading<'_> {
             return reply(Err(why));
         }
         let number = self.objects.number();
-        let title = truncated(load.title, self.longest);
-        let job = self.job(JobKind::Command, (number, session), load);
+        let title = truncated(load.title, self.limits.name_bytes);
+        let mut job = self.job(CompileKind::Command, (number, session), load);
+        // Nobody waits for an evaluation any longer.
+        job.timeout = eval.is_some().then_some(self.limits.request_timeout);
+        let source = &job.request.source;
         let record = CommandRecord {
-            origin: Some(job.origin.clone()),
-            text: Some(Arc::clone(&job.origin.text)),
+            origin: Some(source.clone()),
+            text: Some(Arc::clone(&source.text)),
             loading: Some(reply),
             eval,
             bytes: load.bytes(),
@@ -130,27 +138,35 @@ impl Loading<'_> {
             return reply(Err(why));
         }
         let number = self.objects.number();
-        let title = truncated(load.title, self.longest);
-        let job = self.job(JobKind::Task, (number, session), load);
-        let text = (Arc::clone(&job.origin.text), load.bytes());
+        let title = truncated(load.title, self.limits.name_bytes);
+        let job = self.job(CompileKind::Task, (number, session), load);
+        let text = (Arc::clone(&job.request.source.text), load.bytes());
         let record = TaskRecord::new(session, title, text, job.on_overrun, reply);
         self.objects.tasks.insert(number, record);
         self.send(job);
     }
 
-    fn job(&self, what: JobKind, (number, session): (u64, u64), load: &LoadRequest<'_>) -> LoadJob {
+    fn job(
+        &self,
+        kind: CompileKind,
+        (number, session): (u64, u64),
+        load: &LoadRequest<'_>,
+    ) -> LoadJob {
         LoadJob {
-            kind: what,
             number,
             session,
             client: self.objects.sessions.client_of(session),
-            origin: Source {
-                language: load.language,
-                text: load.text.into(),
-                command: load.command.map(str::to_owned),
+            request: CompileRequest {
+                kind,
+                source: Source {
+                    language: load.language,
+                    text: load.text.into(),
+                    command: load.command.map(str::to_owned),
+                },
+                period_ns: self.defaults.round_period(load.period_ns),
+                tick_ns: self.defaults.tick_ns,
             },
-            period_ns: self.defaults.round_period(load.period_ns),
-            tick_ns: self.defaults.tick_ns,
+            timeout: None,
             on_overrun: load.on_overrun.unwrap_or(self.defaults.on_overrun),
         }
     }
@@ -162,12 +178,14 @@ impl Loading<'_> {
         }
     }
 
-    /// Removes a command or task whose loading failed and reports the error.
+    /// Removes a command or task whose loading failed and reports the error to its client.
     fn reject(&mut self, number: u64, why: ApiError) {
+        self.statistics.loads_rejected += 1;
         self.objects.reject(number, why, self.log);
     }
 
-    /// Handles the result of a load job: inserts the command into the core, or reports why loading failed.
+    /// Handles the result of a load job: sends the command to the core or makes the task ready, or reports why loading
+    /// failed.
     pub(super) fn loaded(&mut self, job: LoadJob, loaded: Result<LoadOutput, Vec<String>>) {
         match loaded {
             Err(reasons) => self.reject(job.number, ApiError::Rejected(reasons)),
@@ -201,6 +219,7 @@ impl Loading<'_> {
         }
         match self.core.control.adopt_with_snapshot(loaded.command) {
             Ok(adopted) => {
+                self.statistics.loads_accepted += 1;
                 commands.register_adopted(number, adopted, loaded.image, bytes, self.core);
             }
             Err(why) => self.reject(number, why.into()),
@@ -213,6 +232,7 @@ impl Loading<'_> {
         if let Err(why) = room {
             return self.reject(number, why);
         }
+        self.statistics.loads_accepted += 1;
         self.objects.tasks.loaded(number, script, bytes);
         self.objects.remove_task_if_abandoned(number);
     }

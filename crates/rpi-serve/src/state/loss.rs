@@ -9,7 +9,8 @@ use super::{Client, ServerState};
 use crate::limits::OnLoss;
 
 impl ServerState {
-    /// Handles the loss of a client: ends its sessions and subscriptions.
+    /// Handles the disconnection of a client: applies the loss policies of its sessions, and removes its subscriptions
+    /// and its rules that act on no command.
     pub(crate) fn on_client_lost(&mut self, client: Client, sessions: &[String]) {
         self.rules.drop_idle(client, &mut self.core);
         for name in sessions {
@@ -21,7 +22,7 @@ impl ServerState {
         self.watchers().for_each(Subscribers::remove_disconnected);
     }
 
-    /// Aborts all commands of a session and closes it.
+    /// Aborts all commands of the session with this name and closes the session.
     pub(crate) fn abort_session(&mut self, name: &str) -> Result<(), ApiError> {
         let number = self.objects.sessions.number(name)?;
         self.objects.sessions.close(number);
@@ -29,8 +30,10 @@ impl ServerState {
         Ok(())
     }
 
-    /// Applies the loss policy to the commands and tasks of a closed session, and removes it if it owns nothing.
+    /// Applies the loss policy to the commands and tasks of a closed session. Removes the session if it owns nothing.
     fn apply_loss_policy(&mut self, session: u64, on_loss: OnLoss) {
+        // A command that is still being compiled would be unloaded at once, whatever the policy.
+        self.jobs.cancel_session(session);
         if on_loss != OnLoss::RunOn {
             for number in self.jobs.remove_session(session) {
                 self.objects
@@ -57,7 +60,7 @@ impl ServerState {
         self.objects.close_if_empty(session);
     }
 
-    /// Cancels the tasks of a session, unless the policy lets them run.
+    /// Marks the tasks of a session to be unloaded at their end, and cancels them unless the policy lets them run.
     fn apply_loss_policy_to_tasks(&mut self, session: u64, on_loss: OnLoss) {
         for number in self.objects.tasks.of_session(session) {
             if on_loss != OnLoss::RunOn {
@@ -69,16 +72,21 @@ impl ServerState {
         }
     }
 
-    /// Returns all lists of subscribers to anything but commands.
+    /// Returns the lists of subscribers to sessions, rules, tasks, devices, the emergency stop and the override; those
+    /// of commands are elsewhere.
     fn watchers(&mut self) -> impl Iterator<Item = &mut Subscribers> {
         let sessions = self.objects.sessions.watchers();
         let tasks = self.objects.tasks.watchers();
-        let others = [&mut self.devices.subscribers, &mut self.emergency.watchers];
+        let others = [
+            &mut self.devices.subscribers,
+            &mut self.emergency.watchers,
+            &mut self.controls.watchers,
+        ];
         let rules = self.rules.watchers();
         sessions.chain(rules).chain(tasks).chain(others)
     }
 
-    /// Returns the number of subscriptions to anything but commands.
+    /// Returns the number of subscriptions to objects other than commands.
     #[cfg(test)]
     pub(crate) fn subscriber_count(&mut self) -> usize {
         self.watchers().map(|list| list.len()).sum()

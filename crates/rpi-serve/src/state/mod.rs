@@ -9,7 +9,7 @@
 //! ```text
 //! ServerState -- Objects -- Sessions, Commands (CommandRecord, Subscriptions, Completion), Tasks
 //!             -- Rules, Devices, Emergency, Recording, EventLog
-//!             -- LoadQueue ==> loader thread
+//!             -- LoadQueue ==> loader threads ==> Compiler
 //!             -- CoreLink (PendingRequests, DeferredOps) ==> cycle
 //! ```
 
@@ -29,6 +29,7 @@ mod events;
 mod load_queue;
 mod loader;
 mod loading;
+mod log_file;
 mod loss;
 mod objects;
 mod pending;
@@ -42,6 +43,7 @@ mod sessions;
 mod settings;
 mod shutdown;
 mod source_location;
+mod statistics;
 mod subscribers;
 mod subscriptions;
 mod task_core;
@@ -54,21 +56,25 @@ use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
 use rpi_record::mcap::Recorder;
 use rpi_runtime::control::Control;
+use rpi_runtime::realtime::CycleMetrics;
 use rpi_sim::{Cell, SimBank};
 
+use crate::compile::Compiler;
 pub(crate) use crate::fair_share::Client;
 use crate::limits::Limits;
 use crate::settings::Settings;
 
+pub(crate) use crate::compile::Language;
+pub(crate) use completion::{PlainCondition, ResultConditions};
 pub(crate) use device_spec::{NewDevice, PARAMETERS};
-pub(crate) use loader::Language;
+pub(crate) use emergency::StopOrigin;
 pub(crate) use loading::LoadRequest;
 pub(crate) use record::{CommandRecord, results};
 pub(crate) use rule_request::RuleRequest;
 pub(crate) use sessions::SessionPolicy;
 pub(crate) use source_location::SourceLocation;
 pub(crate) use subscriptions::{TOO_MANY_SUBSCRIPTIONS, WatchRequest};
-pub(crate) use task_status::{Step, TaskStatus};
+pub(crate) use task_status::{Step, TaskPhase, TaskStatus};
 pub(crate) use types::{
     ApiError, DeviceInfo, Phase, Reply, RuleState, Status, Subscriber, Update, cause_text,
     fault_text,
@@ -81,13 +87,15 @@ use devices::Devices;
 use emergency::Emergency;
 use event_log::EventLog;
 use load_queue::LoadQueue;
+use loader::Loader;
 use objects::Objects;
 use recording::Recording;
 use rules::Rules;
+use statistics::Statistics;
 
 /// State that all connections share: sessions, commands, tasks, rules and devices.
 pub(crate) struct ServerState {
-    limits: Limits,
+    pub(crate) limits: Limits,
     pub(crate) defaults: CommandDefaults,
     pub(crate) objects: Objects,
     pub(crate) rules: Rules,
@@ -95,12 +103,17 @@ pub(crate) struct ServerState {
     pub(crate) emergency: Emergency,
     pub(crate) controls: OperatorControls,
     pub(crate) log: EventLog,
-    recording: Recording,
-    jobs: Arc<LoadQueue>,
+    /// Counters of the cycle, which the cycle thread writes.
+    pub(crate) cycle: Arc<CycleMetrics>,
+    pub(crate) statistics: Statistics,
+    pub(crate) recording: Recording,
+    pub(crate) jobs: Arc<LoadQueue>,
+    /// Compiler of the texts of clients.
+    pub(crate) compiler: Arc<Compiler>,
     pub(crate) core: CoreLink,
 }
 
-/// Shared handle of the server state.
+/// Shared handle of the server state, by which all threads of the server lock it.
 #[derive(Clone)]
 pub(crate) struct SharedState(Arc<Mutex<ServerState>>);
 
@@ -111,19 +124,23 @@ impl fmt::Debug for SharedState {
 }
 
 impl SharedState {
-    /// Creates the state for the devices of a cell and starts the loader.
+    /// Creates the state for the devices of a cell and starts the loader thread. `control` is the handle that controls
+    /// the core; `recorder` writes the recording, if there is one.
     ///
     /// # Errors
-    /// If the loader thread cannot be created.
+    /// If the log file or the loader thread cannot be created.
     pub(crate) fn new(
         cell: &Cell,
         (control, recorder): (Control, Option<Recorder>),
+        cycle: Arc<CycleMetrics>,
         settings: &Settings,
     ) -> std::io::Result<SharedState> {
         let (limits, tick_ns) = (settings.limits, settings.tick_ns.max(1));
         let devices = Devices::from_cell(cell, &limits, tick_ns);
         let replica = devices.replica();
+        let log = EventLog::new(settings.log_file.as_deref())?;
         let jobs = Arc::new(LoadQueue::new(limits.queued_loads));
+        let compiler = Arc::new(Compiler::new(&settings.compiler));
         let shared = SharedState(Arc::new(Mutex::new(ServerState {
             limits,
             defaults: CommandDefaults {
@@ -141,27 +158,38 @@ impl SharedState {
             controls: OperatorControls::default(),
             devices,
             jobs: Arc::clone(&jobs),
+            compiler: Arc::clone(&compiler),
             recording: Recording::new(recorder),
-            log: EventLog::new(),
+            log,
+            cycle,
+            statistics: Statistics::default(),
         })));
-        // A weak reference: dropping the state closes the queue, which ends the loader thread.
+        // A weak reference: dropping the state closes the queue, which ends the loader threads.
         let weak = Arc::downgrade(&shared.0);
-        let done: loader::LoadCallback = Box::new(move |job, loaded| {
+        let done: loader::LoadCallback = Arc::new(move |job, loaded| {
             if let Some(state) = weak.upgrade() {
                 SharedState(state).lock().loading().loaded(job, loaded);
             }
         });
-        loader::start(jobs, settings.continuity, replica, done)?;
+        let loader = Loader {
+            jobs,
+            compiler,
+            continuity: settings.continuity,
+            replica,
+            done,
+        };
+        loader.start()?;
         Ok(shared)
     }
 
-    /// Locks the state. A poisoned lock is taken over, so that a crashed connection does not end the server.
+    /// Locks the state. A lock poisoned by a crashed thread is taken over, so that the crash of one connection does not
+    /// end the server.
     pub(crate) fn lock(&self) -> MutexGuard<'_, ServerState> {
         self.0.lock().unwrap_or_else(PoisonError::into_inner)
     }
 }
 
-/// Creates a bank with the devices of a cell and empty slots for more.
+/// Creates a device bank with the devices of a cell and empty slots for more, at least `places` slots in total.
 pub(crate) fn bank(cell: &Cell, places: usize, tick_ns: u64) -> SimBank {
     let tick = tick_ns as f64 * 1e-9;
     let mut bank = SimBank::empty(places.max(cell.devices.len()), tick);
@@ -178,7 +206,8 @@ impl Drop for ServerState {
     }
 }
 
-/// Returns the number in a name such as `n12`.
+/// Returns the number in the name of an object: 12 for `n12` and the letter `n`. Returns `None` if the name has another
+/// form.
 fn parse_number(name: &str, letter: char) -> Option<u64> {
     name.strip_prefix(letter)?.parse().ok()
 }

@@ -19,20 +19,21 @@ use super::tasks::Tasks;
 use super::types::{ApiError, MEMORY_LIMIT};
 use crate::fair_share::Client;
 use crate::limits::{Limits, OnLoss};
-use crate::peer::Peer;
+use crate::role::{Identity, Right};
 
-/// Tables of the sessions with their commands and tasks. Numbers are given in the order of loading and never twice.
+/// Tables of the sessions, commands and tasks. Each object has a number, unique among all objects, in the order of
+/// creation.
 pub(crate) struct Objects {
     pub(crate) sessions: Sessions,
     pub(crate) commands: Commands,
     pub(crate) tasks: Tasks,
     limits: Limits,
-    /// Number of the newest session, command or task. Numbers are never used twice.
+    /// Number of the newest session, command, task or client.
     last: u64,
 }
 
 impl Objects {
-    /// Creates empty tables. `on_loss` and `grace` are the default policies of sessions.
+    /// Creates empty tables. `on_loss` and `grace` are the policies of sessions whose clients do not set them.
     pub(super) fn new(limits: Limits, on_loss: OnLoss, grace: Duration) -> Objects {
         Objects {
             sessions: Sessions::new(on_loss, grace),
@@ -43,19 +44,19 @@ impl Objects {
         }
     }
 
-    /// Returns a new number, unique among all objects.
+    /// Returns a new number, unique among all sessions, commands, tasks and clients.
     pub(super) fn number(&mut self) -> u64 {
         self.last += 1;
         self.last
     }
 
-    /// Registers a connection as a client.
-    pub(crate) fn client(&mut self, peer: Peer) -> Client {
-        Client::new(self.number(), peer)
+    /// Registers a connection as a client and gives it a number.
+    pub(crate) fn client(&mut self, who: &Identity) -> Client {
+        Client::new(self.number(), who.peer).with_management(who.may(Right::Manage))
     }
 
-    /// Returns an error if this command, task or session belongs to another connected client. An unknown name is no
-    /// error here.
+    /// Returns an error if the command, task or session with this name belongs to another connected client. An unknown
+    /// name is no error here.
     pub(crate) fn may_act(&self, client: Client, name: &str) -> Result<(), ApiError> {
         let command = parse_number(name, 'n').and_then(|n| self.commands.get(n));
         let task = parse_number(name, 't').and_then(|n| self.tasks.session_of(n));
@@ -66,7 +67,8 @@ impl Objects {
         })
     }
 
-    /// Returns an error if a command on which the rule acts belongs to another connected client.
+    /// Returns an error if a command on which a rule acts belongs to another connected client. `name` is the name of
+    /// the rule.
     pub(super) fn may_change(
         &self,
         client: Client,
@@ -79,8 +81,8 @@ impl Objects {
         records.try_for_each(|(_, r)| self.sessions.ensure_may_act_in(client, r.session, name))
     }
 
-    /// Opens a session for a client and returns its name. On a shared session, every client that knows its name may
-    /// act.
+    /// Opens a session for the client in `owner` and returns the name of the session. The Boolean in `owner` is true
+    /// for a shared session, on which every client that knows its name may act.
     pub(super) fn open_session(
         &mut self,
         name: &str,
@@ -93,7 +95,7 @@ impl Objects {
         Ok(self.sessions.open(number, shown, policy, owner))
     }
 
-    /// Sets the time by which a cancelled command must have ended.
+    /// Sets the time by which the command with this id, which is being cancelled, must have ended.
     pub(super) fn set_deadline(&mut self, id: CommandId) {
         let Some(record) = self.commands.record_of(id) else {
             return;
@@ -104,8 +106,8 @@ impl Objects {
         record.deadline = Instant::now().checked_add(grace);
     }
 
-    /// Ensures that the quotas allow one more command or task with this many bytes of text; removes ended ones of the
-    /// client if necessary.
+    /// Ensures that the quotas allow the session one more command or task with `text` bytes of text. Removes ended
+    /// commands and tasks of the client, oldest first, if necessary.
     pub(super) fn make_room(
         &mut self,
         session: u64,
@@ -121,8 +123,8 @@ impl Objects {
         })
     }
 
-    /// Ensures that the quotas allow the memory of a loaded command or task; removes ended ones of the client if
-    /// necessary.
+    /// Ensures that the quotas allow `bytes` of memory for the loaded command or task with this number. Removes ended
+    /// commands and tasks of the client, oldest first, if necessary.
     pub(super) fn ensure_memory(
         &mut self,
         number: u64,
@@ -135,8 +137,8 @@ impl Objects {
         })
     }
 
-    /// Ensures that the limits allow the memory of the next command of a task. Only the total limit applies, not the
-    /// share of the client, so that other clients cannot stop a running task.
+    /// Ensures that the memory limit allows `bytes` for the next command of the task with this number. Only the total
+    /// limit applies, not the share of the client, so that other clients cannot stop a running task.
     pub(super) fn ensure_total_memory(
         &mut self,
         number: u64,
@@ -163,7 +165,8 @@ impl Objects {
         }
     }
 
-    /// Removes ended commands and tasks of the client, oldest first, until `admit` succeeds.
+    /// Removes ended commands and tasks of the session's client, oldest first, until `admit` succeeds. Returns the
+    /// error of `admit` if none is left to remove.
     fn ensure_quota(
         &mut self,
         session: u64,
@@ -191,7 +194,7 @@ impl Objects {
         }
     }
 
-    /// Removes a command or task whose loading failed and reports the error.
+    /// Removes the command or task with this number, whose loading failed, and reports the error to its client.
     pub(super) fn reject(&mut self, number: u64, why: ApiError, log: &mut EventLog) {
         if let Some((called, session, reply)) = self.tasks.remove(number) {
             log.write(format_args!("{called} cannot be loaded: {why}"));
@@ -206,7 +209,7 @@ impl Objects {
         }
     }
 
-    /// Removes a closed session that owns no command or task any more.
+    /// Removes the session with this number if it is closed and owns no command or task.
     pub(super) fn close_if_empty(&mut self, number: u64) {
         let owns = self.commands.of_session(number).next().is_some();
         if !owns && !self.tasks.any_of_session(number) {
@@ -214,7 +217,7 @@ impl Objects {
         }
     }
 
-    /// Removes a task that is to be unloaded, once it can be.
+    /// Removes the task with this number if it is marked to be unloaded and has ended or was never started.
     pub(super) fn remove_task_if_abandoned(&mut self, number: u64) {
         if let Some(session) = self.tasks.abandoned(number) {
             self.tasks.forget(number);
@@ -222,7 +225,7 @@ impl Objects {
         }
     }
 
-    /// Removes the record of a command that the core has freed.
+    /// Reports to subscribers that a command is unloaded, after the core has freed it and its record was removed.
     pub(super) fn forget_command(&mut self, mut record: CommandRecord) {
         record.set_phase(super::Phase::Unloaded);
         if let Some(eval) = record.eval.take() {

@@ -6,22 +6,22 @@ use rpi_runtime::control::{RequestError, RuleId, Ticket};
 
 use super::types::{ApiError, DeviceInfo, Reply};
 
-/// Request to the core that is not answered yet, with the action that follows.
+/// Request to the core that is not answered yet: the action that follows the answer, and the callback for the client.
 pub(super) struct PendingRequest {
     pub(super) then: OnAnswer,
     pub(super) reply: Option<Reply>,
 }
 
-/// Action that follows when the core has carried out a request.
+/// Action that follows when the core has carried out a request. Objects are given by number, id, description or name.
 pub(super) enum OnAnswer {
     Nothing,
     CommandInserted(u64),
     RuleMade(RuleId),
-    /// Reports the start of a command that runs for a single cycle.
+    /// Reports the start of the command with this number, which evaluates a net for a single cycle.
     Eval(u64),
     DeviceAdded(DeviceInfo),
     DeviceRemoved(String),
-    /// Clears the emergency stop flag: all requests made before the stop were carried out.
+    /// Clears the emergency stop flag of the cycle: all requests made before the stop were carried out.
     Stopped,
 }
 
@@ -50,12 +50,17 @@ impl PendingRequests {
         }
     }
 
-    /// Removes the request with this ticket.
+    /// Removes and returns the request with this ticket; `None` if there is none.
     pub(super) fn take(&mut self, ticket: Ticket) -> Option<PendingRequest> {
         self.0.remove(&ticket)
     }
 
-    /// Returns whether every request was answered.
+    /// Returns the number of requests that are not answered yet.
+    pub(super) fn len(&self) -> usize {
+        self.0.len()
+    }
+
+    /// Returns whether the core has answered every request.
     pub(super) fn is_empty(&self) -> bool {
         self.0.is_empty()
     }

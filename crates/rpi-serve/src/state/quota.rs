@@ -7,10 +7,11 @@ use super::tasks::Tasks;
 use crate::fair_share;
 use crate::fair_share::Client;
 
-/// Session number of commands that belong to no session: evaluations, and those that are only waiting to be freed.
+/// Session number of commands that belong to no session: those that evaluate a net for a single cycle, and those that
+/// only wait until the core has freed them.
 pub(super) const NO_SESSION: u64 = 0;
 
-/// Read-only view of all commands, tasks and sessions, which count for the quotas.
+/// Read-only view of all commands, tasks and sessions, from which the use of the quotas is computed.
 pub(super) struct QuotaView<'a> {
     pub(super) sessions: &'a Sessions,
     pub(super) commands: &'a Commands,
@@ -18,8 +19,8 @@ pub(super) struct QuotaView<'a> {
 }
 
 impl QuotaView<'_> {
-    /// Returns the number and memory of all commands and tasks, as seen by a client. Commands that are only waiting to
-    /// be freed do not count.
+    /// Returns the usage of two quotas, as seen by a client: the number and the memory in bytes of all commands and
+    /// tasks. Commands that only wait until the core has freed them do not count.
     pub(super) fn usage(&self, client: Option<Client>) -> (fair_share::Usage, fair_share::Usage) {
         let stays = |(_, r): &(u64, &CommandRecord)| r.session != NO_SESSION || r.eval.is_some();
         let commands = self.commands.iter().filter(stays);
@@ -32,7 +33,8 @@ impl QuotaView<'_> {
         )
     }
 
-    /// Returns the number of the oldest ended command or task of this session or of another session of its client.
+    /// Returns the number of the oldest ended command or task of this session or of another session of its client;
+    /// `None` if there is none.
     pub(super) fn oldest_ended(&self, session: u64, client: Option<Client>) -> Option<u64> {
         let is_own = |other: u64| {
             other == session || client.is_some() && self.sessions.client_of(other) == client

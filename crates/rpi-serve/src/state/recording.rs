@@ -6,15 +6,16 @@ use rpi_runtime::run::RecordingStats;
 
 use super::event_log::EventLog;
 
-/// Recording of the run as seen by the server state: its writer, if the run is recorded.
-pub(super) struct Recording {
+/// Recording of the run as seen by the server state. Without a writer, the run is not recorded and all methods do
+/// nothing.
+pub(crate) struct Recording {
     recorder: Option<Recorder>,
-    /// Whether the recording is still being written.
+    /// Whether the recording is still being written; false after an error or if the run is not recorded.
     is_recording: bool,
 }
 
 impl Recording {
-    /// Creates the recording; `None` if the run is not recorded.
+    /// Creates the recording from its writer; `None` if the run is not recorded.
     pub(super) fn new(recorder: Option<Recorder>) -> Recording {
         Recording {
             is_recording: recorder.is_some(),
@@ -22,12 +23,17 @@ impl Recording {
         }
     }
 
-    /// Records an event of the cycle.
+    /// Returns whether the recording is still being written.
+    pub(crate) fn is_recording(&self) -> bool {
+        self.is_recording
+    }
+
+    /// Records an event of the cycle, if the run is recorded.
     pub(super) fn event(&self, event: &Event) {
         self.recorder.iter().for_each(|r| r.record_event(event));
     }
 
-    /// Warns once when the recording has stopped because of a write error.
+    /// Writes one warning for the operator when the recording has stopped because of a write error.
     pub(super) fn warn_if_failed(&mut self, log: &mut EventLog) {
         if self.is_recording
             && let Some(recorder) = self.recorder.as_ref().filter(|r| !r.is_writing())
@@ -39,7 +45,8 @@ impl Recording {
         }
     }
 
-    /// Closes the recording, which misses `lost` ticks.
+    /// Closes the recording and returns its statistics; `None` if the run is not recorded. `lost` is the number of
+    /// ticks that are missing from the recording.
     pub(super) fn finish(&mut self, lost: u64) -> std::io::Result<Option<RecordingStats>> {
         self.is_recording = false;
         let recorder = self.recorder.take();

@@ -7,7 +7,7 @@ use rpi_runtime::control::{AbortReason, Control};
 
 use super::deferred::CommandOp;
 use super::device_spec::NewDevice;
-use super::emergency::requester;
+use super::emergency::{StopOrigin, requester};
 use super::pending::OnAnswer;
 use super::rule_request::{RuleRequest, record_end_result};
 use super::sessions::SessionPolicy;
@@ -15,15 +15,17 @@ use super::settings::{self, Value};
 use super::task_core::TaskCoreAdapter;
 use super::types::{ApiError, Reply, Subscriber};
 use super::{Client, ServerState};
+use crate::role::Identity;
 
 impl ServerState {
-    /// Opens a session for a client and returns its name. On a shared session, every client that knows its name may
-    /// act.
+    /// Opens a session for the client in `owner`, logs the identity `by` of the client, and returns the name of the
+    /// session. The Boolean in `owner` is true for a shared session, on which every client that knows its name may act.
     pub(crate) fn open_session(
         &mut self,
         name: &str,
         policy: SessionPolicy,
         owner: (Client, bool),
+        by: &Identity,
     ) -> Result<String, ApiError> {
         let session = self.objects.open_session(name, policy, owner)?;
         let of = match name {
@@ -31,11 +33,11 @@ impl ServerState {
             name => format!(" of {name}"),
         };
         self.log
-            .write(format_args!("session {session}{of} was opened"));
+            .write(format_args!("session {session}{of} was opened by {by}"));
         Ok(session)
     }
 
-    /// Starts a command.
+    /// Starts the command with this name. `reply` receives the core's answer, or an error.
     pub(crate) fn start(&mut self, name: &str, reply: Reply) {
         let may = self.emergency.ensure_not_stopped().and_then(|()| {
             let (_, record) = self.objects.commands.find(name)?;
@@ -49,21 +51,21 @@ impl ServerState {
         }
     }
 
-    /// Cancels a command, which must end within `grace`; `None` for the time of its session.
+    /// Cancels the command with this name, which must end within `grace`; `None` for the time of its session.
     pub(crate) fn cancel(&mut self, name: &str, grace: Option<Duration>, reply: Reply) {
         self.objects.commands.set_grace(name, grace);
         self.core
             .send_request(&self.objects.commands, name, Control::cancel, reply);
     }
 
-    /// Aborts a command.
+    /// Aborts the command with this name.
     pub(crate) fn abort(&mut self, name: &str, reply: Reply) {
         let abort = |core: &mut Control, id| core.abort(id, AbortReason::Request);
         self.core
             .send_request(&self.objects.commands, name, abort, reply);
     }
 
-    /// Unloads a command. A running one is unloaded as soon as it has ended.
+    /// Unloads the command with this name. A running command is unloaded as soon as it has ended.
     pub(crate) fn unload(&mut self, name: &str, reply: Reply) {
         let commands = &mut self.objects.commands;
         let found = commands.find(name).map(|(n, record)| (n, record.runs()));
@@ -79,12 +81,13 @@ impl ServerState {
         }
     }
 
-    /// Returns an error if `count` values are too many for one request.
+    /// Returns an error if `count` is more than the number of values that one request may set.
     pub(crate) fn may_set(&self, count: usize) -> Result<(), ApiError> {
         settings::may_set(count, self.limits.values_per_request)
     }
 
-    /// Sets inputs of commands, either all of them between the same two cycles or none.
+    /// Sets inputs of commands, given by command, key and literal: either all of them between the same two cycles, or
+    /// none.
     pub(crate) fn set(&mut self, values: &[Value<'_>], reply: Reply) {
         let may = self
             .core
@@ -109,7 +112,7 @@ impl ServerState {
         }
     }
 
-    /// Makes a rule. The reply has its name.
+    /// Makes a rule. `reply` receives the name of the rule.
     pub(crate) fn make_rule(&mut self, make: &RuleRequest<'_>, reply: Reply) {
         let may = self
             .emergency
@@ -132,7 +135,7 @@ impl ServerState {
         }
     }
 
-    /// Withdraws a rule, if the client may act on all commands of the rule.
+    /// Withdraws the rule with this name, if the client may act on all commands of the rule.
     pub(crate) fn withdraw(&mut self, client: Client, name: &str, reply: Reply) {
         let found = self.core.ensure_queue_space().and_then(|()| {
             let (id, rule) = self.rules.find(name)?;
@@ -149,7 +152,7 @@ impl ServerState {
         }
     }
 
-    /// Subscribes to a rule: reports its state now and when it changes.
+    /// Subscribes to the rule with this name: reports its state now and when it changes.
     pub(crate) fn watch_rule(
         &mut self,
         name: &str,
@@ -158,7 +161,7 @@ impl ServerState {
         self.rules.watch(name, sink, &mut self.objects.commands)
     }
 
-    /// Adds a simulated device. A device of the same name and type is kept as it is.
+    /// Adds a simulated device. If a device of the same name and type exists, it remains and the request succeeds.
     pub(crate) fn add_device(&mut self, new: &NewDevice<'_>, reply: Reply) {
         let added = match self.devices.is_inserted(new) {
             Ok(true) => return reply(Ok(new.name.to_owned())),
@@ -206,13 +209,14 @@ impl ServerState {
         self.core.track_request(ticket, then, Some(reply));
     }
 
-    /// Starts a task; its first commands start in one of the next ticks. A task can be started only once.
+    /// Starts the task with this name; its first commands start in one of the next ticks. A task can be started only
+    /// once.
     pub(crate) fn start_task(&mut self, name: &str) -> Result<(), ApiError> {
         self.emergency.ensure_not_stopped()?;
         self.objects.tasks.start(name)
     }
 
-    /// Cancels a task: no further command starts, and running ones are cancelled.
+    /// Cancels the task with this name: no further command starts, and running commands are cancelled.
     pub(crate) fn cancel_task(&mut self, name: &str) -> Result<(), ApiError> {
         let number = self.objects.tasks.cancel(name)?;
         self.task_core(number)
@@ -220,14 +224,15 @@ impl ServerState {
         Ok(())
     }
 
-    /// Unloads a task. A running one is unloaded when it has ended.
+    /// Unloads the task with this name. A running task is unloaded when it has ended.
     pub(crate) fn unload_task(&mut self, name: &str) -> Result<(), ApiError> {
         let number = self.objects.tasks.unload_at_end(name)?;
         self.objects.remove_task_if_abandoned(number);
         Ok(())
     }
 
-    /// Returns the adapter through which the task with this number uses the core.
+    /// Returns the adapter through which the task with this number loads, starts and schedules its commands in the
+    /// core.
     pub(super) fn task_core(&mut self, number: u64) -> TaskCoreAdapter<'_> {
         TaskCoreAdapter {
             objects: &mut self.objects,
@@ -238,8 +243,8 @@ impl ServerState {
         }
     }
 
-    /// Sets the override and the pause of all motions; `None` keeps what is set. The reply is sent once the core has
-    /// taken them.
+    /// Sets the speed override (a factor from 0 to 1) and the pause of all motions; `None` leaves a setting unchanged.
+    /// `reply` is called once the core has applied them.
     ///
     /// # Errors
     /// If too many requests are pending.
@@ -265,11 +270,13 @@ impl ServerState {
         Ok(())
     }
 
-    /// Stops everything. The reply is sent once no earlier request can start anything any more.
-    pub(crate) fn emergency_stop(&mut self, by: &str, reply: Reply) {
+    /// Aborts all commands and tasks, as requested by the named requester. `reply` is called once no earlier request
+    /// can start a command any more.
+    pub(crate) fn emergency_stop(&mut self, (by, origin): (&str, StopOrigin), reply: Reply) {
         let by = requester(by);
+        self.statistics.emergency_stops += 1;
         self.log.write(format_args!("EMERGENCY STOP by {by}"));
-        self.emergency.raise(by);
+        self.emergency.raise(by, origin);
         for number in self.objects.tasks.under_way() {
             self.task_core(number)
                 .with_task(|task, core| task.abort(core));
@@ -279,13 +286,14 @@ impl ServerState {
         self.emergency.notify();
     }
 
-    /// Resets the emergency stop: commands can be started again.
+    /// Resets the emergency stop, so that commands can be started again. `by` is the name of the requester.
     ///
     /// # Errors
-    /// If a device still moves or earlier requests are pending.
-    pub(crate) fn reset_emergency(&mut self) -> Result<(), ApiError> {
-        if self.emergency.reset(self.devices.any_moving())? {
-            self.log.write(format_args!("the emergency stop was reset"));
+    /// If only the operator may reset the stop, a device still moves, or earlier requests are pending.
+    pub(crate) fn reset_emergency(&mut self, by: &str, origin: StopOrigin) -> Result<(), ApiError> {
+        if self.emergency.reset(self.devices.any_moving(), origin)? {
+            self.log
+                .write(format_args!("the emergency stop was reset by {by}"));
         }
         Ok(())
     }

@@ -14,7 +14,8 @@ use super::types::{ApiError, RuleState};
 use crate::condition::{Expr, FactExpr};
 use crate::fair_share::Client;
 
-/// Request of a client to make a rule.
+/// Request of a client to make a rule: its condition, and the names of the commands that the rule stops, cancels and
+/// starts.
 pub(crate) struct RuleRequest<'a> {
     pub(crate) when: &'a Expr,
     pub(crate) stop: &'a [&'a str],
@@ -22,11 +23,11 @@ pub(crate) struct RuleRequest<'a> {
     pub(crate) start: &'a [&'a str],
     /// Client that makes the rule.
     pub(crate) maker: Client,
-    /// Whether a command that can no longer be started becomes ready again instead of being unloaded.
+    /// Whether a scheduled command that no rule can start any more becomes ready again instead of being unloaded.
     pub(crate) keep: bool,
 }
 
-/// Resolves the names of a request: returns the rule for the core and its record.
+/// Resolves the names in a request for a rule. Returns the rule for the core and its record for the server.
 pub(super) fn build_rule(
     make: &RuleRequest<'_>,
     commands: &Commands,
@@ -104,8 +105,8 @@ fn fact(command: &str, fact_expr: &FactExpr, commands: &Commands) -> Result<Fact
     })
 }
 
-/// Notes the result that ends a command: a rule that only stops a command, when one of its exports is true, declares
-/// that export as such a result.
+/// Records the Boolean exports that end a command: if a rule stops a single command when an export of that command is
+/// true, and does nothing else, the export is added to those that end the command.
 pub(super) fn record_end_result(make: &RuleRequest<'_>, commands: &mut Commands) {
     let (Expr::Fact(command, FactExpr::Export(key)), [stop], [], []) =
         (make.when, make.stop, make.cancel, make.start)

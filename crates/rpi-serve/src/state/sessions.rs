@@ -10,16 +10,16 @@ use super::types::{ApiError, Subscriber, Update, truncated};
 use crate::fair_share::{Client, Holder, Usage};
 use crate::limits::{Limits, OnLoss};
 
-/// Session of a client: its name, and the policy for its commands when the connection is lost.
+/// Session of a client, which owns commands and tasks: its name, and the policy for them when the connection is lost.
 struct Session {
-    /// Name given by the client, for display.
+    /// Name of the session given by the client, for display.
     name: String,
     on_loss: OnLoss,
-    /// Time in which a cancelled command must end.
+    /// Time within which a cancelled command of the session must end.
     grace: Duration,
     /// Client that opened the session or took it over.
     client: Client,
-    /// Whether every client that knows the name of the session may act on it.
+    /// Whether every client that knows the name of the session may act on its commands and tasks.
     shared: bool,
     /// Whether the client has disconnected or closed the session.
     closed: bool,
@@ -27,7 +27,7 @@ struct Session {
 }
 
 impl Session {
-    /// Returns the client that is charged for the session.
+    /// Returns the client whose quotas the commands and tasks of the session count for.
     fn holder(&self) -> Holder {
         match self.closed {
             true => Holder::Disconnected(self.client),
@@ -36,21 +36,21 @@ impl Session {
     }
 }
 
-/// Table of the sessions by number. A closed session stays until it owns nothing any more.
+/// Table of the sessions by number. A closed session stays in the table until it owns no command or task.
 pub(crate) struct Sessions {
     records: BTreeMap<u64, Session>,
-    /// Policy for the commands of a session whose client has disconnected, unless the client specifies one.
+    /// Policy for the commands of a session whose client has disconnected, unless the client has set another one.
     on_loss: OnLoss,
-    /// Time in which a cancelled command must end, unless the client specifies one.
+    /// Time within which a cancelled command must end, unless the client has set another one.
     grace: Duration,
 }
 
-/// Policy for the commands of a session; `None` for the default of the server.
+/// Policy for the commands of a session. A field with `None` means the default of the server.
 #[derive(Clone, Copy, Default)]
 pub(crate) struct SessionPolicy {
-    /// What becomes of the commands when the client has disconnected.
+    /// Policy for the commands when the client has disconnected.
     pub(crate) on_loss: Option<OnLoss>,
-    /// Time in which a cancelled command must end.
+    /// Time within which a cancelled command of the session must end.
     pub(crate) grace: Option<Duration>,
 }
 
@@ -64,7 +64,8 @@ impl Sessions {
         }
     }
 
-    /// Returns an error if the session belongs to another connected client. `what` is named in the error.
+    /// Returns an error if the session with this number belongs to another connected client and is not shared. `what`
+    /// is the name of the object in the error.
     pub(super) fn ensure_may_act_in(
         &self,
         client: Client,
@@ -72,14 +73,14 @@ impl Sessions {
         what: &str,
     ) -> Result<(), ApiError> {
         let session = self.records.get(&session);
-        let owned = session.filter(|s| !s.closed && !s.shared);
+        let owned = session.filter(|s| !s.closed && !s.shared && !client.manages());
         match owned.is_some_and(|s| s.client != client) {
             true => Err(ApiError::NotOwner(what.to_owned())),
             false => Ok(()),
         }
     }
 
-    /// Returns an error if the client may not open another session.
+    /// Returns an error if the client may not open another session without exceeding the limit or its share.
     pub(super) fn has_room(&self, client: Client, limits: &Limits) -> Result<(), ApiError> {
         let held = self.records.values().map(|s| (s.holder(), 1));
         let taken = Usage::for_client(Some(client), held);
@@ -88,8 +89,8 @@ impl Sessions {
             .map_err(|full| ApiError::limit(full, "sessions"))
     }
 
-    /// Opens a session for a client and returns its name. On a shared session, every client that knows its name may
-    /// act. `most` is the maximum length of the display name in bytes.
+    /// Opens the session with this number for a client and returns its name, such as `s5`. On a shared session, every
+    /// client that knows its name may act. `most` is the maximum length of the display name in bytes.
     pub(super) fn open(
         &mut self,
         number: u64,
@@ -110,20 +111,21 @@ impl Sessions {
         format!("s{number}")
     }
 
-    /// Returns the time in which a cancelled command of a session must end.
+    /// Returns the time within which a cancelled command of the session with this number must end.
     pub(super) fn grace(&self, session: u64) -> Duration {
         self.records
             .get(&session)
             .map_or(self.grace, |session| session.grace)
     }
 
-    /// Returns the number of a session.
+    /// Returns the number of the session with this name, or an error if there is none.
     pub(super) fn number(&self, name: &str) -> Result<u64, ApiError> {
         let found = parse_number(name, 's').filter(|n| self.records.contains_key(n));
         found.ok_or_else(|| ApiError::Unknown(format!("session {name}")))
     }
 
-    /// Lets a client take over a session whose client has disconnected. Returns whether it did.
+    /// Assigns a session whose client has disconnected to another client. Returns whether the session was free to be
+    /// taken over.
     pub(crate) fn take_over_session(&mut self, name: &str, client: Client) -> bool {
         let session = parse_number(name, 's').and_then(|n| self.records.get_mut(&n));
         session.is_some_and(|session| {
@@ -135,13 +137,14 @@ impl Sessions {
         })
     }
 
-    /// Returns the names of all sessions with the names that their clients gave.
+    /// Returns the names of all sessions, each with the display name that the client gave.
     pub(crate) fn all(&self) -> impl Iterator<Item = (String, &str)> {
         let sessions = self.records.iter();
         sessions.map(|(number, session)| (format!("s{number}"), session.name.as_str()))
     }
 
-    /// Handles the loss of the client of a session: closes the session. Returns its number and policy.
+    /// Handles the disconnection of the client of a session: closes the session. Returns the number of the session and
+    /// its policy for such a loss; `None` if there is no such session.
     pub(super) fn lose(&mut self, name: &str, log: &mut EventLog) -> Option<(u64, OnLoss)> {
         let number = parse_number(name, 's')?;
         log.write(format_args!(
@@ -152,14 +155,14 @@ impl Sessions {
         Some((number, session.on_loss))
     }
 
-    /// Closes a session.
+    /// Closes the session with this number. The session is removed once it owns nothing.
     pub(super) fn close(&mut self, number: u64) {
         if let Some(session) = self.records.get_mut(&number) {
             session.closed = true;
         }
     }
 
-    /// Subscribes to a session: reports whether it is open, now and at each change.
+    /// Subscribes to the session with this name: reports that the session is open now, and later that it was closed.
     pub(crate) fn watch(&mut self, name: &str, sink: Box<dyn Subscriber>) -> Result<(), ApiError> {
         let number = self.number(name)?;
         if let Some(session) = self.records.get_mut(&number) {
@@ -168,18 +171,18 @@ impl Sessions {
         Ok(())
     }
 
-    /// Returns the client that is charged for a session; `None` for commands that are only waiting to be freed.
+    /// Returns the client of the session with this number; `None` if there is no such session.
     pub(super) fn client_of(&self, session: u64) -> Option<Client> {
         self.records.get(&session).map(|s| s.client)
     }
 
-    /// Returns whom the resources of a session are charged to.
+    /// Returns the client whose quotas the commands and tasks of the session with this number count for.
     pub(super) fn holder(&self, session: u64) -> Holder {
         let session = self.records.get(&session);
         session.map_or(Holder::Unowned, Session::holder)
     }
 
-    /// Removes a session that owns nothing any more, if it is closed.
+    /// Removes the session with this number, which owns nothing any more, if it is closed. Notifies its subscribers.
     pub(super) fn remove_closed(&mut self, number: u64) {
         let closed = self.records.get(&number).is_some_and(|s| s.closed);
         if closed && let Some(mut session) = self.records.remove(&number) {
@@ -187,7 +190,7 @@ impl Sessions {
         }
     }
 
-    /// Returns for each session the clients that are subscribed to it.
+    /// Returns the list of subscribers of each session.
     pub(super) fn watchers(&mut self) -> impl Iterator<Item = &mut Subscribers> {
         self.records.values_mut().map(|s| &mut s.watchers)
     }

@@ -8,10 +8,10 @@ use rpi_runtime::control::{CommandId, CommandState, InputValue};
 use super::commands::Commands;
 use super::types::{ApiError, Phase};
 
-/// A value for an input: name of the command, key of the input and text of the value.
+/// Value for an input of a command: name of the command, key of the input, and literal of the value.
 pub(crate) type Value<'a> = (&'a str, &'a str, &'a str);
 
-/// Returns an error if `count` values are more than one request may set.
+/// Returns an error if `count` is more than `limit`, the number of values that one request may set.
 pub(super) fn may_set(count: usize, limit: usize) -> Result<(), ApiError> {
     match count > limit {
         true => Err(ApiError::Limit("values in one request")),
@@ -19,8 +19,8 @@ pub(super) fn may_set(count: usize, limit: usize) -> Result<(), ApiError> {
     }
 }
 
-/// Converts values to settings with one setting per input. The last value of an input wins. `limit` is the maximum
-/// number of memory slots.
+/// Converts values for inputs, given by command, key and literal, to values in memory, one per input. If an input
+/// occurs twice, its last value counts. `limit` is the maximum number of memory slots.
 pub(super) fn settings(
     commands: &Commands,
     values: &[Value<'_>],
@@ -65,7 +65,8 @@ fn parse_slots(input: &InputPort, text: &str) -> Result<Box<[u64]>, ApiError> {
     Ok(value.slots().into())
 }
 
-/// Marks an input of a command as set, so that the command can start without a predecessor that provides it.
+/// Marks an input of a command as set, so that the command can start without a predecessor from which it takes the
+/// value over.
 pub(super) fn mark_input_set(commands: &mut Commands, (name, key, _): &Value<'_>) {
     let number = commands.find(name).map(|(number, _)| number);
     let record = number.ok().and_then(|n| commands.get_mut(n));

@@ -6,14 +6,14 @@ use super::ServerState;
 use super::pending::OnAnswer;
 
 impl ServerState {
-    /// Aborts all commands and drops all rules. Moving devices brake within their own limits.
+    /// Aborts all commands and withdraws all rules. Moving devices brake within their own limits.
     pub(crate) fn stop_all(&mut self) {
         let ticket = self.core.control.emergency_stop();
         self.core.track_request(ticket, OnAnswer::Nothing, None);
     }
 
-    /// Returns whether no command runs, no request is pending and all devices are at rest. Commands started meanwhile
-    /// are stopped again.
+    /// Returns whether no command runs, no request is pending and all devices are at rest. Commands that were started
+    /// meanwhile are aborted.
     pub(crate) fn is_at_rest(&mut self) -> bool {
         if !self.core.has_answered_all() {
             return false;
@@ -25,12 +25,15 @@ impl ServerState {
         !self.devices.any_moving()
     }
 
-    /// Processes the remaining events after the last tick, and closes the recording, which misses `lost` ticks.
+    /// Processes the remaining events after the last tick, ends the loader with its workers, closes the recording and
+    /// returns its statistics; `None` if the run was not recorded. `lost` is the number of ticks that are missing from the
+    /// recording.
     pub(crate) fn finish_recording(
         &mut self,
         lost: u64,
     ) -> std::io::Result<Option<RecordingStats>> {
         self.update();
+        self.jobs.close();
         self.recording.finish(lost)
     }
 }

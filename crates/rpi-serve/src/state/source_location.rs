@@ -6,14 +6,15 @@ use rpi_image::image;
 /// Location in the program of a command, as reported to clients.
 #[derive(Clone, PartialEq, Debug)]
 pub(crate) struct SourceLocation {
-    /// Path of the node or fragment.
+    /// Path of the node or fragment in the program.
     pub(crate) path: String,
-    /// `line:column` in the client's text; `None` if the location is in a library or unknown.
+    /// Position as `line:column` in the client's text; `None` if the location is in a library or unknown.
     pub(crate) position: Option<String>,
 }
 
 impl SourceLocation {
-    /// Converts the location of a node in a command that was compiled from `text`.
+    /// Converts the location of a node in an image. `text` is the source text of the command, to convert the offset to
+    /// a line and column.
     pub(super) fn from_node(place: &image::SourceLocation, text: Option<&str>) -> SourceLocation {
         let own = place.range.filter(|range| range.file == 0);
         let at = own.zip(text).map(|(range, text)| {
@@ -28,7 +29,7 @@ impl SourceLocation {
         }
     }
 
-    /// Returns the location of a fragment in the program, from its path in the net.
+    /// Creates the location of a fragment from its path in the net, without a position in the text.
     pub(super) fn from_fragment(path: &str) -> SourceLocation {
         SourceLocation {
             path: path.to_owned(),

@@ -7,12 +7,12 @@ use super::types::{Subscriber, Update};
 pub(super) struct Subscribers(Vec<Box<dyn Subscriber>>);
 
 impl Subscribers {
-    /// Adds a subscriber.
+    /// Adds a subscriber without sending it an update.
     pub(super) fn push(&mut self, sink: Box<dyn Subscriber>) {
         self.0.push(sink);
     }
 
-    /// Sends an update to a new subscriber and adds it, unless its client has disconnected.
+    /// Sends an update to a new subscriber and adds the subscriber to the list, unless its client has disconnected.
     pub(super) fn add(&mut self, mut sink: Box<dyn Subscriber>, update: &Update<'_>) {
         if sink.notify(update) {
             self.0.push(sink);
@@ -24,7 +24,7 @@ impl Subscribers {
         self.0.retain_mut(|sink| sink.notify(update));
     }
 
-    /// Removes the subscribers whose clients have disconnected.
+    /// Removes the subscribers whose clients have disconnected, without sending an update.
     pub(super) fn remove_disconnected(&mut self) {
         self.0.retain(|sink| sink.is_connected());
     }

@@ -19,18 +19,18 @@ use super::record::CommandRecord;
 use super::tasks::TaskRecord;
 use super::types::Phase;
 
-/// Adapter through which a running task uses the core.
+/// Adapter through which a running task uses the core. The commands of the task become commands of the server.
 pub(super) struct TaskCoreAdapter<'s> {
     pub(super) objects: &'s mut Objects,
     pub(super) core: &'s mut CoreLink,
     pub(super) devices: &'s Devices,
     pub(super) defaults: &'s CommandDefaults,
-    /// Number of the task.
+    /// Number of the task whose commands are loaded and started through the adapter.
     pub(super) number: u64,
 }
 
 impl TaskCoreAdapter<'_> {
-    /// Calls `then` with the task, if it runs.
+    /// Calls `then` with the execution state of the task and the adapter, if the task runs.
     pub(super) fn with_task(
         &mut self,
         then: impl FnOnce(&mut Task<ExecutablePlan>, &mut TaskCoreAdapter<'_>),
@@ -52,7 +52,7 @@ impl TaskCoreAdapter<'_> {
         script.map_or(&[], |script| &script.images)
     }
 
-    /// Loads a command of the task and sets its policies.
+    /// Loads the command with this index in the task from its image, and sets its policies.
     fn load_command(&self, index: usize, image: &Arc<Image>) -> Result<Box<Command>, RequestError> {
         let command = self.devices.load(image);
         let mut command = command.map_err(RequestError::Load)?;

@@ -18,14 +18,26 @@ pub(crate) enum TaskPhase {
     Running,
     /// The task was cancelled and has not ended yet.
     Cancelling,
-    /// The task runs no command any more. The value says with which outcome it ended.
+    /// The task has ended and runs no command any more. The value is the outcome.
     Ended(TaskEnd),
-    /// The task was unloaded.
+    /// The task was removed from the server.
     Unloaded,
 }
 
 impl TaskPhase {
-    /// Returns the name of the state in the protocol.
+    /// All states.
+    pub(crate) const ALL: [TaskPhase; 8] = [
+        TaskPhase::Loading,
+        TaskPhase::Ready,
+        TaskPhase::Running,
+        TaskPhase::Cancelling,
+        TaskPhase::Ended(TaskEnd::Done),
+        TaskPhase::Ended(TaskEnd::Failed),
+        TaskPhase::Ended(TaskEnd::Cancelled),
+        TaskPhase::Unloaded,
+    ];
+
+    /// Returns the name of the state in the JSON-RPC protocol.
     pub(crate) fn name(self) -> &'static str {
         match self {
             TaskPhase::Loading => "loading",
@@ -40,24 +52,24 @@ impl TaskPhase {
     }
 }
 
-/// Ended command of a task, as reported to clients.
+/// Report about an ended command of a task, for clients.
 #[derive(Clone, PartialEq, Debug)]
 pub(crate) struct Step {
     pub(super) id: CommandId,
     pub(crate) title: String,
     pub(crate) result: Option<String>,
     pub(crate) cause: &'static str,
-    /// Fault or reason of the abort, if the command did not end regularly.
+    /// Fault or reason of the abort; `None` if the command ended regularly.
     pub(crate) why: Option<String>,
-    /// Location of the fault in the program, if a fault ended the command.
+    /// Location of the fault in the program; `None` if no fault ended the command.
     pub(crate) place: Option<SourceLocation>,
-    /// Devices that the command left moving; they brake on their own.
+    /// Names of the devices that were moving when the command ended; they brake within their own limits.
     pub(crate) braked: Vec<String>,
-    /// Description of the discontinuity at its takeover, if there was one.
+    /// Description of the discontinuity of the set-points at the command's takeover; `None` if there was none.
     pub(crate) jump: Option<String>,
     pub(crate) error: i64,
     pub(crate) cycles: u64,
-    /// Whether a branch of the task handles its error.
+    /// Whether a branch of the task handles the error with which the command ended.
     pub(crate) handled: bool,
 }
 
@@ -67,21 +79,21 @@ pub(crate) struct TaskStatus {
     pub(crate) phase: TaskPhase,
     /// Names and titles of the running commands.
     pub(crate) running: Vec<(String, String)>,
-    /// The latest ended commands.
+    /// The latest ended commands, oldest first; at most [`REMEMBERED`].
     pub(crate) steps: Vec<Step>,
-    /// Number of successors that were not scheduled when their predecessors ended.
+    /// Number of commands whose predecessors ended before they were scheduled as successors, so that they started late.
     pub(crate) late: u64,
-    /// Number of late successors that could have taken over while the devices moved.
+    /// Number of late commands that could have taken over while the devices moved, if they had been scheduled in time.
     pub(crate) missed_in_motion: u64,
-    /// Commands that could not be started, and the reason.
+    /// Commands of the task that could not be started, and the reason; `None` if there was no such error.
     pub(crate) error: Option<String>,
 }
 
-/// Maximum number of ended commands kept for a task.
+/// Maximum number of ended commands in the status of a task; the oldest is removed.
 const REMEMBERED: usize = 100;
 
 impl Step {
-    /// Creates the report about a command of a task; `None` if it has not ended.
+    /// Creates the report about the command with this id, which is part of a task; `None` if the command has not ended.
     pub(super) fn of(id: CommandId, record: &CommandRecord) -> Option<Step> {
         let ending = record.status.ending?;
         Some(Step {
@@ -113,7 +125,7 @@ impl TaskStatus {
         }
     }
 
-    /// Adds an ended command.
+    /// Adds an ended command, and removes the oldest one if there are too many.
     pub(super) fn push(&mut self, step: Step) {
         self.steps.push(step);
         if self.steps.len() > REMEMBERED {
@@ -121,7 +133,8 @@ impl TaskStatus {
         }
     }
 
-    /// Notes that a branch of the task handles the error with which a command ended.
+    /// Marks the latest report about the command with this id: a branch of the task handles the error with which the
+    /// command ended.
     pub(super) fn handled(&mut self, id: CommandId) {
         let mut steps = self.steps.iter_mut().rev();
         if let Some(step) = steps.find(|step| step.id == id) {

@@ -17,30 +17,31 @@ use super::task_status::{Step, TaskPhase, TaskStatus};
 use super::types::{ApiError, Reply, Subscriber, Update};
 use crate::task_bundle::TaskBundle;
 
-/// State of a task in the server.
+/// State of a task in the server: its images and plan, its execution state, its progress and its subscribers.
 pub(super) struct TaskRecord {
     pub(super) session: u64,
     title: String,
-    /// Memory of the task in bytes.
+    /// Memory of the task in bytes: its source text and the images of its commands.
     bytes: usize,
-    /// Source text.
+    /// Source text of the program with the task.
     pub(super) text: Arc<str>,
     pub(super) script: Option<TaskBundle>,
-    /// Policy for its commands if their cycles take too long.
+    /// Policy for cycles of the task's commands that take too long.
     pub(super) on_overrun: CommandOverrunPolicy,
     task: Option<Task<ExecutablePlan>>,
     pub(super) status: TaskStatus,
     watchers: Subscribers,
-    /// Callback for the result of loading.
+    /// Callback for the result of loading; `None` once the result was reported.
     load_reply: Option<Reply>,
     /// Whether the task is to be unloaded once it has ended.
     unload_at_end: bool,
-    /// Whether the status has changed since the latest report.
+    /// Whether the status has changed since the latest report to the subscribers.
     pub(super) changed: bool,
 }
 
 impl TaskRecord {
-    /// Creates the state of a task that is being loaded. `reply` receives the result.
+    /// Creates the record of a task that is being loaded, of the session with this number. `bytes` is the memory of its
+    /// text. `reply` receives the result of loading.
     pub(super) fn new(
         session: u64,
         title: String,
@@ -79,24 +80,24 @@ impl TaskRecord {
     }
 }
 
-/// Loaded tasks by the numbers that their clients received.
+/// Table of the loaded tasks by the number in their names (`t7` has number 7).
 #[derive(Default)]
 pub(crate) struct Tasks {
     records: BTreeMap<u64, TaskRecord>,
 }
 
 impl Tasks {
-    /// Adds a task that is being loaded.
+    /// Adds the record of a task that is being loaded.
     pub(super) fn insert(&mut self, number: u64, record: TaskRecord) {
         self.records.insert(number, record);
     }
 
-    /// Returns the task that clients address by this number; `None` if it is unknown or was removed.
+    /// Returns the record of the task with this number; `None` if the task is unknown or was removed.
     pub(super) fn get(&self, number: u64) -> Option<&TaskRecord> {
         self.records.get(&number)
     }
 
-    /// As [`Self::get`], to change the record.
+    /// Returns the record of the task with this number, to change it; `None` if there is no such task.
     pub(super) fn get_mut(&mut self, number: u64) -> Option<&mut TaskRecord> {
         self.records.get_mut(&number)
     }
@@ -106,34 +107,35 @@ impl Tasks {
         self.records.contains_key(&number)
     }
 
-    /// Returns the session of a task.
+    /// Returns the session number of the task with this number; `None` if there is no such task.
     pub(super) fn session_of(&self, number: u64) -> Option<u64> {
         self.records.get(&number).map(|r| r.session)
     }
 
-    /// Returns the session and memory of each task.
+    /// Returns for each task the number of its session and its memory in bytes.
     pub(super) fn sizes(&self) -> impl Iterator<Item = (u64, usize)> + Clone {
         self.records.values().map(|r| (r.session, r.bytes))
     }
 
-    /// Returns the number and session of each ended task, oldest first.
+    /// Returns the number of each ended task and that of its session, oldest task first.
     pub(super) fn ended(&self) -> impl Iterator<Item = (u64, u64)> {
         let ended = self.records.iter().filter(|(_, r)| r.has_ended());
         ended.map(|(number, r)| (*number, r.session))
     }
 
-    /// Returns the numbers of the tasks of a session.
+    /// Returns the numbers of the tasks of the session with this number.
     pub(super) fn of_session(&self, session: u64) -> Vec<u64> {
         let own = self.records.iter().filter(|(_, r)| r.session == session);
         own.map(|(number, _)| *number).collect()
     }
 
-    /// Returns whether a session owns a task.
+    /// Returns whether the session with this number owns a task.
     pub(super) fn any_of_session(&self, session: u64) -> bool {
         self.records.values().any(|r| r.session == session)
     }
 
-    /// Makes a task ready, after its loading is finished.
+    /// Makes the task with this number ready to start, after its loading is finished. `bytes` is the memory of its
+    /// images.
     pub(super) fn loaded(&mut self, number: u64, script: TaskBundle, bytes: usize) {
         if let Some(record) = self.records.get_mut(&number) {
             record.script = Some(script);
@@ -143,7 +145,8 @@ impl Tasks {
         }
     }
 
-    /// Removes a task that could not be loaded. Returns its display name, its session and the callback for the result.
+    /// Removes the task with this number, which could not be loaded. Returns its display name, the number of its
+    /// session and the callback for the result; `None` if there is no such task.
     pub(super) fn remove(&mut self, number: u64) -> Option<(String, u64, Option<Reply>)> {
         let record = self.records.remove(&number)?;
         Some((
@@ -165,7 +168,8 @@ impl Tasks {
         Ok((number, record))
     }
 
-    /// Starts a task; its first commands start in one of the next ticks. A task can be started only once.
+    /// Starts the task with this name; its first commands start in one of the next ticks. A task can be started only
+    /// once.
     pub(super) fn start(&mut self, name: &str) -> Result<(), ApiError> {
         let (_, record) = self.find(name)?;
         let ready = record.status.phase == TaskPhase::Ready;
@@ -178,7 +182,8 @@ impl Tasks {
         Ok(())
     }
 
-    /// Notes that a running task is cancelled, and returns its number.
+    /// Marks the running task with this name as being cancelled, and returns its number. Returns an error if it does
+    /// not run.
     pub(super) fn cancel(&mut self, name: &str) -> Result<u64, ApiError> {
         let (number, record) = self.find(name)?;
         match record.status.phase {
@@ -197,19 +202,20 @@ impl Tasks {
         under_way.map(|(number, _)| *number).collect()
     }
 
-    /// Takes the execution state of a running task out of its record, to work on it. [`Tasks::put_back`] must follow.
+    /// Removes the execution state of a running task from its record and returns it, so that the task can be advanced
+    /// while the table is changed. [`Tasks::put_back`] must follow.
     pub(super) fn take(&mut self, number: u64) -> Option<Task<ExecutablePlan>> {
         self.records.get_mut(&number)?.task.take()
     }
 
-    /// Puts the execution state of a running task back into its record.
+    /// Puts the execution state of a running task back into its record, after [`Tasks::take`].
     pub(super) fn put_back(&mut self, number: u64, task: Task<ExecutablePlan>) {
         if let Some(record) = self.records.get_mut(&number) {
             record.task = Some(task);
         }
     }
 
-    /// Marks a task to be unloaded once it has ended. Returns its number.
+    /// Marks the task with this name to be unloaded once it has ended. Returns its number.
     pub(super) fn unload_at_end(&mut self, name: &str) -> Result<u64, ApiError> {
         let (number, record) = self.find(name)?;
         record.unload_at_end = true;
@@ -223,7 +229,7 @@ impl Tasks {
         }
     }
 
-    /// Returns the progress of a task.
+    /// Returns the progress of the task with this name, or an error if there is none.
     pub(crate) fn status(&self, name: &str) -> Result<&TaskStatus, ApiError> {
         let number = self.number(name)?;
         let record = self.records.get(&number);
@@ -231,31 +237,31 @@ impl Tasks {
         Ok(&record.status)
     }
 
-    /// Returns all tasks with name, title and progress.
+    /// Returns all tasks: name, title and progress of each.
     pub(crate) fn all(&self) -> impl Iterator<Item = (String, &str, &TaskStatus)> {
         let tasks = self.records.iter();
         tasks.map(|(number, r)| (format!("t{number}"), r.title.as_str(), &r.status))
     }
 
-    /// Subscribes to a task: reports its progress now and at each change.
+    /// Subscribes to the task with this name: reports its progress now and at each change.
     pub(crate) fn watch(&mut self, name: &str, sink: Box<dyn Subscriber>) -> Result<(), ApiError> {
         let (_, record) = self.find(name)?;
         record.watchers.add(sink, &Update::Task(&record.status));
         Ok(())
     }
 
-    /// Returns the lists of subscribers.
+    /// Returns the list of subscribers of each task.
     pub(super) fn watchers(&mut self) -> impl Iterator<Item = &mut Subscribers> {
         self.records.values_mut().map(|r| &mut r.watchers)
     }
 
-    /// Passes an event of the cycle to all tasks.
+    /// Passes an event of the core to all running tasks.
     pub(super) fn handle_event(&mut self, event: &Event) {
         let tasks = self.records.values_mut().filter_map(|r| r.task.as_mut());
         tasks.for_each(|task| task.handle_event(event));
     }
 
-    /// Reports the progress of a task after it was advanced.
+    /// Updates the progress of the task with this number after it was advanced, and reports changes to its subscribers.
     pub(super) fn update_progress(&mut self, number: u64, commands: &Commands, log: &mut EventLog) {
         let Some(record) = self.records.get_mut(&number) else {
             return;
@@ -284,7 +290,7 @@ impl Tasks {
         record.report_progress();
     }
 
-    /// Adds an ended command to the progress of its task.
+    /// Adds the ended command with this id to the progress of the task that it is part of, if any.
     pub(super) fn add_step(&mut self, id: CommandId, commands: &Commands) {
         let Some((_, record)) = commands.find_by_id(id) else {
             return;
@@ -296,14 +302,15 @@ impl Tasks {
         }
     }
 
-    /// Returns the session of a task that is to be unloaded and can be.
+    /// Returns the session of the task with this number if the task is marked to be unloaded and can be unloaded now,
+    /// else `None`.
     pub(super) fn abandoned(&self, number: u64) -> Option<u64> {
         let record = self.records.get(&number).filter(|r| r.unload_at_end)?;
         let can = record.has_ended() || record.status.phase == TaskPhase::Ready;
         can.then_some(record.session)
     }
 
-    /// Removes a task and reports to its subscribers that it is unloaded.
+    /// Removes the task with this number and reports to its subscribers that it is unloaded.
     pub(super) fn forget(&mut self, number: u64) {
         if let Some(mut record) = self.records.remove(&number) {
             record.report_progress();

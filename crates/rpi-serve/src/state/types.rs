@@ -15,32 +15,62 @@ use crate::fair_share::QuotaError;
 /// Life-cycle state of a command, as clients see it.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub(crate) enum Phase {
-    /// The command is in the command table, or on its way into it, in this state.
+    /// The command is in this state of the core. It is in the core's table, or on its way into it.
     Core(CommandState),
-    /// The command has been removed from the table.
+    /// The command was removed from the core's table.
     Unloaded,
 }
 
-/// State of a command and how it has ended.
+impl Phase {
+    /// All states.
+    pub(crate) const ALL: [Phase; 8] = [
+        Phase::Core(CommandState::Loading),
+        Phase::Core(CommandState::Rejected),
+        Phase::Core(CommandState::Ready),
+        Phase::Core(CommandState::Scheduled),
+        Phase::Core(CommandState::Running),
+        Phase::Core(CommandState::Cancelling),
+        Phase::Core(CommandState::Terminated),
+        Phase::Unloaded,
+    ];
+
+    /// Returns the name of the state in the protocol.
+    pub(crate) fn name(self) -> &'static str {
+        match self {
+            Phase::Core(CommandState::Loading) => "loading",
+            Phase::Core(CommandState::Rejected) => "rejected",
+            Phase::Core(CommandState::Ready) => "ready",
+            Phase::Core(CommandState::Scheduled) => "scheduled",
+            Phase::Core(CommandState::Running) => "running",
+            Phase::Core(CommandState::Cancelling) => "cancelling",
+            Phase::Core(CommandState::Terminated) => "terminated",
+            Phase::Unloaded => "unloaded",
+        }
+    }
+}
+
+/// State of a command for clients, and how it has ended.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct Status {
     pub(crate) phase: Phase,
     pub(crate) ending: Option<Ending>,
-    /// Name of the result with which the command has ended.
+    /// Name of the result with which the command has ended; `None` if it ended in another way or has not ended.
     pub(crate) result: Option<String>,
-    /// Location of the fault in the program, if a fault ended the command.
+    /// Location in the program of the cause of the end: a fault, a device that was left moving, or a fragment whose
+    /// cycles took too long; `None` if there is no such cause.
     pub(crate) location: Option<SourceLocation>,
-    /// Devices that the command left moving; they brake on their own.
+    /// Names of the devices that were moving when the command ended; they brake within their own limits.
     pub(crate) braked: Vec<String>,
-    /// Description of the discontinuity between its first set-points and those of its predecessor, if there was one.
+    /// Description of the discontinuity between the first set-points of the command and those of its predecessor;
+    /// `None` if there was none.
     pub(crate) discontinuity: Option<String>,
-    /// Whether another command has taken over: started by the rule that stopped this one, or after this one ended in
-    /// motion by `yield`.
+    /// Whether another command has taken over: it was started by the rule that stopped this command, or this command
+    /// ended in motion by `yield`.
     pub(crate) taken_over: bool,
 }
 
 impl Status {
-    /// Creates the status of a command that has not ended.
+    /// Creates the status of a command that has not ended and is in this state.
     pub(crate) fn new(phase: Phase) -> Status {
         Status {
             phase,
@@ -59,11 +89,11 @@ impl Status {
 pub(crate) enum RuleState {
     /// The rule may still fire.
     Active,
-    /// The rule has fired.
+    /// The condition was true, and the rule has stopped, cancelled and started its commands.
     Fired,
-    /// The condition came true, but a command could not be started.
+    /// The condition was true, but a command could not be started.
     Failed,
-    /// The rule can no longer fire.
+    /// The rule can no longer fire: it was withdrawn, or its condition can no longer become true.
     Dropped,
 }
 
@@ -71,46 +101,47 @@ pub(crate) enum RuleState {
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(crate) struct DeviceInfo {
     pub(crate) name: String,
-    /// Type of the device, as named by its creator.
+    /// Name of the device type: that of the cell description, or that given by the client that added the device.
     pub(crate) kind: String,
-    /// Error code; 0 if there is no error.
+    /// Error code that the device reports; 0 if there is no error.
     pub(crate) code: i64,
     /// Whether the device moves.
     pub(crate) moving: bool,
-    /// Interfaces by name, with their parameters.
+    /// Interfaces of the device in the DirectIO protocol: name of each, with the keys and values of its parameters.
     pub(crate) interfaces: Vec<(&'static str, Vec<(String, String)>)>,
 }
 
-/// Update about an object, for its subscribers.
+/// Change of an object, as sent to the subscribers to the object.
 #[derive(Debug)]
 pub(crate) enum Update<'a> {
-    /// State of the command.
+    /// A command has entered this life-cycle state.
     Command(&'a Status),
-    /// Description of the discontinuity at the takeover by the command.
+    /// The first set-points of a command do not continue those of its predecessor. The text describes the
+    /// discontinuity.
     Discontinuity(&'a str),
-    /// Changed exports of the command: key and value.
+    /// Exports of a command have changed: key and literal of each.
     Values(&'a [(String, String)]),
-    /// New state of a rule.
+    /// A rule has entered this state: active, fired, failed or dropped.
     Rule(RuleState),
-    /// Whether the session is open.
+    /// A session was opened (true) or closed (false).
     Session(bool),
-    /// Name of the client that requested the emergency stop in force; `None` if there is none.
+    /// The emergency stop was requested or reset: name of the requester of the stop in force; `None` if there is none.
     Emergency(Option<&'a str>),
-    /// Override and pause of all motions.
+    /// The speed override or the pause of all motions was set.
     Controls(MotionControls),
-    /// Progress of the task.
+    /// The progress of a task has changed.
     Task(&'a TaskStatus),
-    /// A device was added.
+    /// A device was added, or existed when the client subscribed.
     DeviceAdded(&'a DeviceInfo),
-    /// Name of a device and its error code; 0 if there is no error.
+    /// The error code of a device has changed: name of the device and the code; 0 if there is no error.
     DeviceCondition(&'a str, i64),
-    /// Name of a removed device.
+    /// The device with this name was removed.
     DeviceRemoved(&'a str),
 }
 
-/// Receiver of updates about commands, tasks and rules, such as a connection.
+/// Receiver of updates about one object or about all devices, such as a connection of a client.
 pub(crate) trait Subscriber: Send {
-    /// Sends an update. Returns false if the client is disconnected. Must not block.
+    /// Sends an update to the client. Returns false if the client is disconnected. Must not block.
     fn notify(&mut self, update: &Update<'_>) -> bool;
 
     /// Returns whether the client is still connected.
@@ -128,31 +159,35 @@ pub(crate) enum ApiError {
     Rejected(Vec<String>),
     /// The control core refused the request.
     Refused(CommandError),
-    /// The object is in use; the text says by what.
+    /// The object that the request concerns is in use; the text is the whole message.
     InUse(String),
-    /// The control core refused the request because another command holds a resource; the text names both.
+    /// The control core refused the request because another command holds an actuator; the text names both.
     ResourceHeld(String),
-    /// The session of this object belongs to another client.
+    /// The object with this name belongs to the session of another client.
     NotOwner(String),
+    /// The client lacks the right that the request needs; the text is the whole message.
+    Forbidden(String),
+    /// The maximum number of clients is connected, so that this one may only request an emergency stop.
+    NoPlace,
     /// An emergency stop is in force; the text names who requested it.
     EmergencyStop(String),
-    /// A limit of the server is reached.
+    /// The limit of the server with this name is reached.
     Limit(&'static str),
-    /// The share of the client in a limit is reached.
+    /// The client has its whole share of the limited resource with this name.
     ClientShare(&'static str),
-    /// The share of all clients of the peer in a limit is reached.
+    /// All clients of the peer together have their whole share of the limited resource with this name.
     PeerShare(&'static str),
-    /// The command would exceed the share of a tick that commands may take.
+    /// The command would exceed the share of a tick that the cycles of all commands together may take.
     OverBudget(BudgetExceededError),
-    /// The request queue is full.
+    /// The queue of requests to the control core is full.
     QueueFull,
 }
 
-/// Name of the memory limit in messages.
+/// Name of the limit on memory, for messages.
 pub(super) const MEMORY_LIMIT: &str = "memory";
 
 impl ApiError {
-    /// Returns the error that a client receives when a quota is used up; `what` names the limited things.
+    /// Converts a quota error to the error for the client; `what` names the limited resource.
     pub(super) fn limit(full: QuotaError, what: &'static str) -> ApiError {
         match full {
             QuotaError::Exhausted => ApiError::Limit(what),
@@ -162,7 +197,7 @@ impl ApiError {
     }
 }
 
-/// Truncates a name to at most `most` bytes.
+/// Returns the name, cut at a character boundary to at most `most` bytes.
 pub(super) fn truncated(name: &str, most: usize) -> String {
     name[..name.floor_char_boundary(most)].to_owned()
 }
@@ -196,9 +231,13 @@ impl fmt::Display for ApiError {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             ApiError::Unknown(what) => write!(f, "there is no {what}"),
-            ApiError::Invalid(what) | ApiError::InUse(what) | ApiError::ResourceHeld(what) => {
-                f.write_str(what)
-            }
+            ApiError::Invalid(what)
+            | ApiError::InUse(what)
+            | ApiError::ResourceHeld(what)
+            | ApiError::Forbidden(what) => f.write_str(what),
+            ApiError::NoPlace => f.write_str(
+                "limit reached: connections; this one accepts `emergency.stop` only and ends soon",
+            ),
             ApiError::Rejected(reasons) => f.write_str(&reasons.join("; ")),
             ApiError::Refused(why) => f.write_str(&refusal_text(*why, "an actuator that it needs")),
             ApiError::NotOwner(what) => {
@@ -249,8 +288,8 @@ fn state_hint(state: CommandState) -> &'static str {
     }
 }
 
-/// Returns the reason for which the core refused a request, as text. `actuator` is the display name of the held
-/// actuator.
+/// Returns the reason for which the core refused a request, as text. `actuator` is the display name of the actuator
+/// that another command holds, if that is the reason.
 pub(crate) fn refusal_text(why: CommandError, actuator: &str) -> String {
     match why {
         CommandError::Unknown => "unknown command or rule".to_owned(),
@@ -270,7 +309,7 @@ pub(crate) fn refusal_text(why: CommandError, actuator: &str) -> String {
     }
 }
 
-/// Returns the kind of ending as text.
+/// Returns the kind of ending of a command as text: result, terminate, fault, aborted, or stopped by a rule.
 pub(crate) fn cause_text(ending: &Ending) -> &'static str {
     match ending.cause {
         Cause::Result(_) => "result",
@@ -281,7 +320,7 @@ pub(crate) fn cause_text(ending: &Ending) -> &'static str {
     }
 }
 
-/// Returns the fault or the reason of an abort as text; `None` if the command ended regularly.
+/// Returns the fault or the reason of the abort that ended a command, as text; `None` if the command ended otherwise.
 pub(crate) fn fault_text(ending: &Ending) -> Option<String> {
     match ending.cause {
         Cause::Fault(fault) => Some(rpi_runtime::run::fault_message(fault.code, fault.values)),

@@ -1,38 +1,66 @@
 //! Authentication of requests.
 
 use std::net::IpAddr;
+use std::sync::Arc;
 
 use super::auth_throttle::RejectReason;
 use super::http_head::Head;
+use crate::client_token::ClientToken;
+use crate::peer::Peer;
+use crate::role::{Identity, Role};
 
-/// Policy that decides from the token in a request whether the client is accepted.
+/// Policy that determines the identity of a client from the token in its request.
 #[derive(Clone, Default)]
 pub(crate) struct AuthPolicy {
-    /// Expected token. `None` accepts every client; allowed on loopback only.
-    pub(crate) token: Option<String>,
+    /// Accepted tokens. If the list is empty, every client is accepted, which is allowed on loopback only.
+    pub(crate) tokens: Vec<ClientToken>,
 }
 
 impl AuthPolicy {
-    /// Returns the reason for which a request is rejected; `None` if it is accepted. The token is in the header
-    /// `Authorization: Bearer ...` (RFC 6750) or in the query `?token=...`.
-    pub(crate) fn check_token(&self, head: &Head) -> Option<RejectReason> {
-        let token = self.token.as_ref()?;
-        let in_header = head.header("authorization");
-        let in_header = in_header.and_then(|value| value.strip_prefix("Bearer "));
+    /// Returns the identity of the client that sends a request. The token is in the header `Authorization: Bearer ...`
+    /// (RFC 6750) or in the query `?token=...`.
+    ///
+    /// # Errors
+    /// If a token is needed and the request has none or a wrong one.
+    pub(crate) fn identify(&self, head: &Head, peer: Peer) -> Result<Identity, RejectReason> {
+        if self.tokens.is_empty() {
+            return Ok(Identity::unnamed(peer, Role::default()));
+        }
+        let in_header = head.header("authorization").and_then(bearer);
         let in_query = head
             .query
             .split('&')
             .find_map(|part| part.strip_prefix("token="));
-        match in_header.or(in_query) {
-            None => Some(RejectReason::NoToken),
-            Some(shown) if !constant_time_eq(shown, token) => Some(RejectReason::WrongToken),
-            Some(_) => None,
+        let shown = in_header.or(in_query).ok_or(RejectReason::NoToken)?;
+        // All tokens are compared, so that the time does not show which one is similar.
+        let matching = self.tokens.iter().fold(None, |found, token| {
+            let is_equal = constant_time_eq(shown, &token.secret);
+            found.or(is_equal.then_some(token))
+        });
+        let token = matching.ok_or(RejectReason::WrongToken)?;
+        Ok(Identity {
+            name: Some(Arc::clone(&token.name)),
+            ..Identity::unnamed(peer, token.role)
+        })
+    }
+
+    /// Returns whether the `Host` header of a request names this server. If the server has no tokens, the host must be
+    /// an address or `localhost`: a page of another site whose name resolves to this machine sends no `Origin` with a
+    /// simple request. A request without a host is accepted, as no browser sends one.
+    pub(crate) fn is_own_host(&self, head: &Head) -> bool {
+        let mut hosts = head.values("host");
+        let is_own = |host: &str| !self.tokens.is_empty() || is_address_or_localhost(host);
+        match (hosts.next(), hosts.next()) {
+            (None, _) => true,
+            (Some(host), None) => is_own(host),
+            // RFC 9112, section 3.2: a request with several hosts is invalid.
+            (Some(_), Some(_)) => false,
         }
     }
 
     /// Returns false for a request that a browser sends on behalf of a page from another origin: such pages must not
-    /// move robots. Without a token, the own origin must be an address or `localhost`, because the owner of any other
-    /// name can let it resolve to this machine (DNS rebinding).
+    /// move robots. If the server has no tokens, its own origin must be an address or `localhost`, because the owner of
+    /// any other name can let it resolve to this machine (DNS rebinding).
     pub(crate) fn is_same_origin(&self, head: &Head) -> bool {
         let Some(origin) = head.header("origin") else {
             return true;
@@ -40,9 +68,18 @@ impl AuthPolicy {
         let host = origin.split_once("://").map(|(_, host)| host);
         host.is_some_and(|host| {
             let own = head.header("host") == Some(host);
-            own && (self.token.is_some() || is_address_or_localhost(host))
+            own && (!self.tokens.is_empty() || is_address_or_localhost(host))
         })
     }
+}
+
+/// Returns the token in the value of a header `Authorization: Bearer ...`; `None` if the value has another form. The
+/// name of the scheme may have any case (RFC 9110, section 11.1).
+fn bearer(value: &str) -> Option<&str> {
+    let (scheme, token) = value.split_once(' ')?;
+    scheme
+        .eq_ignore_ascii_case("bearer")
+        .then(|| token.trim_start())
 }
 
 /// Returns whether a host, with or without port, is an IP address or `localhost`.
@@ -55,8 +92,8 @@ fn is_address_or_localhost(host: &str) -> bool {
     name.eq_ignore_ascii_case("localhost") || inner.unwrap_or(name).parse::<IpAddr>().is_ok()
 }
 
-/// Compares in a time that depends on the length of `shown` only, so that the time reveals neither the token nor its
-/// length.
+/// Returns whether two tokens are equal. The time depends on the length of `shown`, the client's token, only, so that
+/// it reveals neither the server's token nor its length.
 fn constant_time_eq(shown: &str, token: &str) -> bool {
     let pairs = shown.bytes().zip(token.bytes().cycle());
     // `black_box` keeps the compiler from leaving the loop at the first difference.
@@ -78,13 +115,55 @@ mod tests {
         Head::read(&mut text.as_bytes(), Duration::from_secs(1)).unwrap()
     }
 
+    fn secret() -> AuthPolicy {
+        AuthPolicy {
+            tokens: vec![ClientToken::new("anna", Role::Operator, "secret")],
+        }
+    }
+
+    #[test]
+    fn a_token_tells_name_and_role() {
+        let mut policy = secret();
+        let panel = ClientToken::new("panel", Role::Viewer, "glass");
+        policy.tokens.push(panel);
+        for (token, name, role) in [
+            ("secret", "anna", Role::Operator),
+            ("glass", "panel", Role::Viewer),
+        ] {
+            let request = head("/rpc", &format!("Authorization: Bearer {token}"));
+            let client = policy.identify(&request, Peer::Local).unwrap();
+            assert_eq!((client.name.as_deref(), client.role), (Some(name), role));
+        }
+    }
+
+    #[test]
+    fn without_a_token_the_host_is_an_address_or_localhost() {
+        let opens =
+            |policy: &AuthPolicy, host: &str| policy.is_own_host(&head_at(host, "/", "X: y"));
+        let anyone = AuthPolicy::default();
+        for host in [
+            "localhost:70",
+            "127.0.0.1:8080",
+            "[::1]:8080",
+            "192.168.0.4",
+        ] {
+            assert!(opens(&anyone, host), "{host}");
+        }
+        for host in ["evil.example:8080", "cell", "", "localhost.evil.example"] {
+            assert!(!opens(&anyone, host), "{host}");
+            assert!(opens(&secret(), host), "{host}");
+        }
+        let two = head_at("localhost", "/", "Host: evil.example");
+        assert!(!anyone.is_own_host(&two));
+    }
+
     #[test]
     fn only_the_token_opens() {
-        let policy = AuthPolicy {
-            token: Some("secret".into()),
-        };
-        let knows = |head: &Head| policy.check_token(head).is_none();
+        let policy = secret();
+        let knows = |head: &Head| policy.identify(head, Peer::Local).is_ok();
         assert!(knows(&head("/rpc", "Authorization: Bearer secret")));
+        assert!(knows(&head("/rpc", "Authorization: bearer secret")));
+        assert!(knows(&head("/rpc", "authorization: BEARER  secret")));
         assert!(knows(&head("/rpc?token=secret", "X: y")));
         for wrong in [
             "Bearer secrets",
@@ -99,18 +178,13 @@ mod tests {
             );
         }
         assert!(!knows(&head("/rpc", "X: y")));
-        assert!(
-            AuthPolicy::default()
-                .check_token(&head("/", "X: y"))
-                .is_none()
-        );
+        let anyone = AuthPolicy::default().identify(&head("/", "X: y"), Peer::Local);
+        assert_eq!(anyone.unwrap().role, Role::Programmer);
     }
 
     #[test]
     fn pages_from_elsewhere_are_turned_away() {
-        let policy = AuthPolicy {
-            token: Some("secret".into()),
-        };
+        let policy = secret();
         assert!(policy.is_same_origin(&head("/", "X: y")));
         assert!(policy.is_same_origin(&head("/", "Origin: http://cell:8080")));
         assert!(!policy.is_same_origin(&head("/", "Origin: http://evil.example")));

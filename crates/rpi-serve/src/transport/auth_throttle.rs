@@ -5,30 +5,36 @@
 //! sends.
 
 use std::collections::BTreeMap;
+use std::sync::atomic::{AtomicU64, Ordering};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::time::{Duration, Instant};
 
 use crate::peer::Peer;
 
-/// Maximum number of peers and reasons for which rejections are counted.
+/// Maximum number of pairs of peer and reason for which rejections are counted.
 const MAX_ENTRIES: usize = 256;
-/// Time without a further rejection after which the count of a peer is removed.
+/// Time without a further rejection after which the count of a peer and reason is removed.
 const ENTRY_LIFETIME: Duration = Duration::from_secs(60);
-/// Maximum number of delayed answers per peer. Each occupies a connection.
+/// Maximum number of answers per peer that are delayed at the same time. Each of them occupies a connection.
 const MAX_DELAYED: usize = 8;
 
-/// Counts of recent rejections by peer and reason, by which logging and guessing of tokens are slowed down.
+/// Counts of recent rejections by peer and reason. They limit the number of log lines and slow down the guessing of
+/// tokens.
 #[derive(Clone, Default)]
-pub(crate) struct AuthThrottle(Arc<Mutex<BTreeMap<(Peer, RejectReason), ThrottleEntry>>>);
+pub(crate) struct AuthThrottle {
+    recent: Arc<Mutex<BTreeMap<(Peer, RejectReason), ThrottleEntry>>>,
+    /// Number of all rejections since the start of the server by reason, in the order of the enum.
+    totals: Arc<[AtomicU64; 3]>,
+}
 
-/// Reason for rejecting a request or connection.
+/// Reason for rejecting a request or a connection before the client is authenticated.
 #[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Debug)]
 pub(crate) enum RejectReason {
     /// The request has no token.
     NoToken,
     /// The request has a wrong token.
     WrongToken,
-    /// The peer already has the maximum number of open connections.
+    /// The maximum number of connections, or the share of the peer, is reached.
     TooManyConnections,
 }
 
@@ -38,10 +44,20 @@ struct ThrottleEntry {
     waiting: usize,
 }
 
-/// Reservation of a delayed answer. Dropping it decrements the count of its peer.
+/// Reservation of an answer to a wrong token that is sent after a delay. Dropping it decrements the count of delayed
+/// answers of its peer.
 pub(super) struct DelayedAnswer(AuthThrottle, Peer);
 
 impl RejectReason {
+    /// Returns the name of the reason in metrics.
+    fn name(self) -> &'static str {
+        match self {
+            RejectReason::NoToken => "no_token",
+            RejectReason::WrongToken => "wrong_token",
+            RejectReason::TooManyConnections => "no_place",
+        }
+    }
+
     /// Describes the reason for the log.
     fn description(self) -> &'static str {
         match self {
@@ -54,11 +70,27 @@ impl RejectReason {
 
 impl AuthThrottle {
     fn lock(&self) -> MutexGuard<'_, BTreeMap<(Peer, RejectReason), ThrottleEntry>> {
-        self.0.lock().unwrap_or_else(PoisonError::into_inner)
+        self.recent.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
-    /// Counts a rejection. Returns the text for the log, if it is to be logged.
+    /// Returns the number of all rejections since the start of the server with the name of each reason.
+    pub(super) fn totals(&self) -> [(&'static str, u64); 3] {
+        [
+            RejectReason::NoToken,
+            RejectReason::WrongToken,
+            RejectReason::TooManyConnections,
+        ]
+        .map(|why| {
+            (
+                why.name(),
+                self.totals[why as usize].load(Ordering::Relaxed),
+            )
+        })
+    }
+
+    /// Counts a rejection. Returns the text for the log if this rejection is to be logged, else `None`.
     pub(super) fn record(&self, peer: Peer, why: RejectReason) -> Option<String> {
+        self.totals[why as usize].fetch_add(1, Ordering::Relaxed);
         let mut all = self.lock();
         all.retain(|_, s| s.waiting > 0 || s.latest.elapsed() < ENTRY_LIFETIME);
         // Requests from many addresses must not use up the memory.
@@ -82,7 +114,7 @@ impl AuthThrottle {
         }
     }
 
-    /// Reserves a delayed answer to a wrong token; `None` if the peer has too many.
+    /// Reserves an answer to a wrong token that is sent after a delay; `None` if the peer has [`MAX_DELAYED`] of them.
     pub(super) fn reserve_delay(&self, peer: Peer) -> Option<DelayedAnswer> {
         let mut all = self.lock();
         let client = all.get_mut(&(peer, RejectReason::WrongToken))?;
@@ -102,7 +134,7 @@ impl Drop for DelayedAnswer {
     }
 }
 
-/// Returns whether the number is a power of ten.
+/// Returns whether the number, which must not be 0, is a power of ten.
 fn is_power_of_ten(times: u64) -> bool {
     times == 10_u64.pow(times.ilog10())
 }

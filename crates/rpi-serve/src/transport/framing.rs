@@ -11,47 +11,48 @@ use tungstenite::{Error, Message, WebSocket};
 use super::http_head::is_timeout;
 use super::outbox::OutboxReceiver;
 
-/// Read timeout of a connection, after which outgoing messages are sent.
+/// Time for which a connection waits for data from its client before it sends the outgoing messages that are queued.
 pub(crate) const READ_TIMEOUT: Duration = Duration::from_millis(2);
-/// Time to wait for the answer to a received message before the next read.
+/// Time to wait for the answer to a received message before the connection reads again.
 const ANSWER_WAIT: Duration = Duration::from_millis(4);
 
-/// Handler of the messages of one connection, which implements a protocol.
+/// Handler of the messages of one connection. Each protocol (DirectIO, JSON-RPC) has an implementation.
 pub(crate) trait ConnectionHandler {
-    /// Handles a message. Returns false to close the connection.
+    /// Handles a message of the client. Returns false if the connection must be closed.
     fn on_message(&mut self, text: &str) -> bool;
 
-    /// Reports why the connection is closed, for transports that have no close frame.
+    /// Reports to the client why the connection is closed. Only used for transports that have no close frame.
     fn on_error(&mut self, _: &str) {}
 }
 
-/// A stream whose reads time out after [`READ_TIMEOUT`].
+/// Connection to a client, whose reads time out after [`READ_TIMEOUT`].
 pub(crate) trait Stream: Read + Write + Send {}
 impl<T: Read + Write + Send> Stream for T {}
 
-/// Maximum message size in bytes, and timeout without any message from the client. A ping is sent after a third of the
-/// timeout. `None` disables pings and timeout.
+/// Maximum message size in bytes, and timeout without any message from the client. A ping is sent to the client after a
+/// third of the timeout. `None` disables pings and timeout.
 pub(crate) type MessageLimits = (usize, Option<Duration>);
 
 /// Reason for the end of a connection.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub(crate) enum CloseReason {
-    /// One side has closed the connection.
+    /// One side has closed the connection, or the connection is broken.
     Closed,
-    /// The client does not read its messages.
+    /// The client does not read the messages that the server sends.
     NotReading,
     /// The client has sent a binary message.
     Binary,
-    /// The client has sent a message that is too long.
+    /// The client has sent a message that exceeds the maximum size.
     TooLong,
     /// The client has not sent anything within the timeout.
     Timeout,
-    /// The server is being closed.
+    /// The server is closing all connections.
     Closing,
 }
 
 impl CloseReason {
-    /// Returns the close frame for the reason (RFC 6455, section 7.4.1). `most` is the maximum message size in bytes.
+    /// Returns the close frame for the reason (RFC 6455, section 7.4.1); `None` if the connection is closed already.
+    /// `most` is the maximum message size in bytes.
     fn frame(self, most: usize) -> Option<CloseFrame> {
         let (code, reason) = match self {
             CloseReason::Closed => return None,
@@ -76,7 +77,8 @@ fn too_long(most: usize) -> String {
     format!("a message has at most {most} bytes")
 }
 
-/// Runs the message loop over a websocket until one side closes it. `rest` holds bytes already read from the stream.
+/// Runs the message loop over a websocket until one side closes it, and returns the reason. `rest` holds bytes that
+/// were already read from the stream.
 pub(crate) fn websocket(
     stream: Box<dyn Stream>,
     rest: Vec<u8>,
@@ -116,7 +118,8 @@ pub(crate) fn websocket(
     end
 }
 
-/// Handles the result of a read. Returns whether an answer is to be expected, or the reason for the end.
+/// Handles the result of a read from a websocket. Returns whether an answer to the client is to be expected, or the
+/// reason for which the connection ends.
 fn handle_read(
     read: Result<Message, Error>,
     front: &mut dyn ConnectionHandler,
@@ -138,7 +141,7 @@ fn handle_read(
     }
 }
 
-/// Sends the queued messages. Returns the reason for the end if the connection has ended.
+/// Calls `send` to send the queued messages. Returns the reason for the end of the connection; `None` if it continues.
 fn send_queued(out: &OutboxReceiver, send: impl FnOnce() -> io::Result<()>) -> Option<CloseReason> {
     if out.is_closed() {
         return Some(CloseReason::NotReading);
@@ -150,7 +153,7 @@ fn send_queued(out: &OutboxReceiver, send: impl FnOnce() -> io::Result<()>) -> O
     }
 }
 
-/// Monitor of a client's liveness: the time of its latest message.
+/// Monitor of the time since the latest message of a client, for pings and the timeout.
 struct Liveness {
     timeout: Option<Duration>,
     latest: Instant,
@@ -175,7 +178,8 @@ impl Liveness {
         silence.is_some_and(|silence| self.latest.elapsed() >= silence)
     }
 
-    /// Returns whether a ping must be sent now: once, after a third of the timeout.
+    /// Returns whether a ping must be sent now, and marks it as sent. A ping is due once, after a third of the timeout
+    /// without a message.
     fn take_ping_due(&mut self) -> bool {
         let due = !self.pinged && self.is_silent_for(3);
         self.pinged |= due;
@@ -187,7 +191,8 @@ impl Liveness {
     }
 }
 
-/// Iterates over the queued messages. If an answer is expected, the iterator waits for it for a short time.
+/// Iterates over the queued outgoing messages. If an answer is expected, the iterator waits up to [`ANSWER_WAIT`] for
+/// the first one.
 fn queued_messages(
     out: &OutboxReceiver,
     answer_expected: bool,
@@ -215,7 +220,8 @@ fn send(
     socket.flush().map_err(failed)
 }
 
-/// Runs the message loop over a stream of lines until one side closes it.
+/// Runs the message loop over a stream with one message per line until one side closes it, and returns the reason.
+/// `most` is the maximum message size in bytes.
 pub(crate) fn lines(
     mut stream: Box<dyn Stream>,
     most: usize,
@@ -250,9 +256,9 @@ pub(crate) fn lines(
     }
 }
 
-/// Handles the lines that end within `received`; `waiting` holds the beginning of the first one, and afterwards that of
-/// the next one. Returns whether there was a line; `None` to close the connection. Each byte is looked at once, so that
-/// a long line takes linear time.
+/// Handles the lines that end within `received`. `waiting` holds the beginning of the first line, and afterwards that
+/// of the unfinished last one. Returns whether there was a line; `None` if the connection must be closed. Each byte is
+/// read once, so that a long line takes linear time.
 fn handle_lines(
     waiting: &mut Vec<u8>,
     received: &[u8],

@@ -3,7 +3,7 @@
 use std::io::{self, Read};
 use std::time::{Duration, Instant};
 
-/// Head of an HTTP request, and the bytes that were read after it.
+/// Head of an HTTP request, with the bytes of the body that were already read.
 #[derive(Debug)]
 pub(crate) struct Head {
     pub(crate) method: String,
@@ -11,11 +11,11 @@ pub(crate) struct Head {
     pub(crate) path: String,
     pub(crate) query: String,
     headers: Vec<(String, String)>,
-    /// Bytes read after the head.
+    /// Bytes that were read after the head: the beginning of the body.
     pub(crate) remaining: Vec<u8>,
 }
 
-/// Maximum length of a head in bytes.
+/// Maximum length of a request head in bytes.
 const MAX_HEAD_BYTES: usize = 16 << 10;
 
 impl Head {
@@ -68,9 +68,15 @@ impl Head {
         })
     }
 
-    /// Returns the value of a header. `name` must be in lower case.
+    /// Returns the value of the first header with this name, which must be in lower case; `None` if there is none.
     pub(crate) fn header(&self, name: &str) -> Option<&str> {
         let found = self.headers.iter().find(|(known, _)| known == name);
+        found.map(|(_, value)| value.as_str())
+    }
+
+    /// Returns the values of all headers with this name, which must be in lower case.
+    pub(crate) fn values(&self, name: &'static str) -> impl Iterator<Item = &str> {
+        let found = self.headers.iter().filter(move |(known, _)| known == name);
         found.map(|(_, value)| value.as_str())
     }
 
@@ -116,7 +122,7 @@ fn invalid_data(what: &str) -> io::Error {
     io::Error::new(io::ErrorKind::InvalidData, what)
 }
 
-/// Returns whether a read failed only because no data has arrived yet.
+/// Returns whether a read or write failed only because it timed out or was interrupted, so that it can be repeated.
 pub(crate) fn is_timeout(error: &io::Error) -> bool {
     matches!(
         error.kind(),

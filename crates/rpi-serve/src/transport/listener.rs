@@ -1,10 +1,9 @@
-//! Accepts connections, each on its own thread, up to a limit.
+//! Accepts connections, each on its own thread, as far as there are [places](super::places).
 
-use std::collections::BTreeMap;
 use std::io::{self, Write};
-use std::net::{TcpListener, TcpStream};
+use std::net::{Shutdown, TcpListener, TcpStream};
+use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
-use std::sync::{Arc, Mutex, PoisonError};
 use std::thread;
 use std::time::{Duration, Instant};
 
@@ -12,33 +11,35 @@ use tungstenite::handshake::derive_accept_key;
 
 use super::auth::AuthPolicy;
 use super::auth_throttle::{AuthThrottle, RejectReason};
+use super::connection_counts::ConnectionCounts;
 use super::framing::{self, CloseReason, ConnectionHandler, READ_TIMEOUT, Stream};
 use super::http_head::{Head, is_timeout};
 use super::outbox::{Outbox, outbox};
+use super::places::{Admission, Place, Places};
 use super::tls::TlsIdentity;
 use crate::dio::DioConnection;
-use crate::fair_share::Usage;
 use crate::limits::Limits;
 use crate::peer::Peer;
+use crate::role::{Identity, Role};
 use crate::rpc::RpcConnection;
 use crate::state::SharedState;
 use crate::web;
 
-/// Data shared by all connections, with which new ones are accepted.
+/// Data shared by all connections: the state, limits and policies with which connections are accepted and served.
 #[derive(Clone)]
 pub(crate) struct Acceptor {
     pub(crate) state: SharedState,
     pub(crate) limits: Limits,
     pub(crate) auth: AuthPolicy,
-    /// Certificate and key for TLS; `None` for plain connections.
+    /// Certificate and key for TLS; `None` if connections are not encrypted.
     pub(crate) identity: Option<TlsIdentity>,
     pub(crate) closing: Arc<AtomicBool>,
-    /// Number of connections of each peer.
-    pub(crate) connections: Arc<Mutex<BTreeMap<Peer, usize>>>,
+    /// Table of all open connections, which limits their number by kind.
+    pub(crate) places: Places,
     pub(crate) throttle: AuthThrottle,
 }
 
-/// Interval at which the acceptor checks for new connections and for the end of the server.
+/// Time to wait between two checks for a new connection and for the end of the server.
 const POLL_INTERVAL: Duration = Duration::from_millis(20);
 
 impl Acceptor {
@@ -49,6 +50,7 @@ impl Acceptor {
                 Ok((stream, from)) => self.accept(stream, Peer::from_ip(from.ip())),
                 Err(_) => thread::sleep(POLL_INTERVAL),
             }
+            self.places.expire();
         }
     }
 
@@ -60,40 +62,41 @@ impl Acceptor {
             .and_then(|()| stream.set_nodelay(true))
             .and_then(|()| stream.set_read_timeout(Some(READ_TIMEOUT)))
             .and_then(|()| stream.set_write_timeout(Some(self.limits.request_timeout)));
-        if ready.is_ok() {
-            self.spawn_connection(peer, move |acceptor| match &acceptor.identity {
-                None => acceptor.serve(Box::new(stream), peer),
-                Some(identity) => acceptor.serve_secure(identity, stream, peer),
-            });
+        let other_end = ready.and_then(|()| stream.try_clone());
+        let Ok(other_end) = other_end else {
+            return;
+        };
+        let close = move || drop(other_end.shutdown(Shutdown::Both));
+        let (place, evicted) = self.places.enter(peer, Box::new(close));
+        if let Some(evicted) = evicted {
+            self.log_rejection(evicted, RejectReason::TooManyConnections);
         }
+        self.spawn(move |acceptor| match &acceptor.identity {
+            None => acceptor.serve(Box::new(stream), peer, &place),
+            Some(identity) => acceptor.serve_secure(identity, stream, peer, &place),
+        });
     }
 
-    /// Serves a client on its own thread, unless the limit of connections is reached.
-    pub(crate) fn spawn_connection(
-        &self,
-        peer: Peer,
-        serve: impl FnOnce(&Acceptor) + Send + 'static,
-    ) {
-        let Some(place) = ConnectionSlot::acquire(&self.connections, peer, self.limits.connections)
-        else {
-            return self.log_rejection(peer, RejectReason::TooManyConnections);
-        };
+    /// Calls `serve` for a client on a new thread.
+    fn spawn(&self, serve: impl FnOnce(&Acceptor) + Send + 'static) {
         let acceptor = self.clone();
         let _ = thread::Builder::new()
             .name("rpi-client".into())
-            .spawn(move || {
-                // Moved into the thread, so that the connection is counted until the thread ends.
-                let _place = place;
-                serve(&acceptor);
-            });
+            .spawn(move || serve(&acceptor));
     }
 
-    /// Serves a client that speaks TLS; answers any other one with an error.
-    fn serve_secure(&self, identity: &TlsIdentity, mut stream: TcpStream, peer: Peer) {
+    /// Serves a client at a TLS port. A client that does not speak TLS is answered with an error.
+    fn serve_secure(
+        &self,
+        identity: &TlsIdentity,
+        mut stream: TcpStream,
+        peer: Peer,
+        place: &Place,
+    ) {
         match starts_tls(&stream, self.limits.request_timeout) {
             Ok(true) => {
                 if let Ok(stream) = identity.accept(stream) {
-                    self.serve(Box::new(stream), peer);
+                    self.serve(Box::new(stream), peer, place);
                 }
             }
             Ok(false) => {
@@ -106,7 +109,7 @@ impl Acceptor {
         }
     }
 
-    fn serve(&self, mut stream: Box<dyn Stream>, peer: Peer) {
+    fn serve(&self, mut stream: Box<dyn Stream>, peer: Peer, place: &Place) {
         let head = match Head::read(&mut stream, self.limits.request_timeout) {
             Ok(head) => head,
             Err(why) if why.kind() == io::ErrorKind::InvalidData => {
@@ -115,23 +118,50 @@ impl Acceptor {
             }
             Err(_) => return,
         };
-        let _ = if !self.auth.is_same_origin(&head) {
-            web::Response::error(
-                403,
-                "requests from pages of another origin are not allowed here",
-            )
-            .send(&mut stream)
-        } else if let Some(why) = self.auth.check_token(&head) {
-            self.reject(&mut stream, peer, why)
-        } else if is_websocket_upgrade(&head) {
-            return self.serve_websocket(stream, head, peer);
+        let _ = if !self.auth.is_own_host(&head) {
+            web::Response::error(421, OTHER_HOST).send(&mut stream)
+        } else if !self.auth.is_same_origin(&head) {
+            web::Response::error(403, OTHER_ORIGIN).send(&mut stream)
         } else {
-            self.answer(&mut stream, &head, peer)
+            match self.auth.identify(&head, peer) {
+                Ok(who) => return self.serve_client(stream, head, who, place),
+                Err(why) => self.reject(&mut stream, peer, why, place),
+            }
+        };
+    }
+
+    /// Serves an authenticated client, which has sent the head of a request: opens a websocket or answers the request.
+    fn serve_client(
+        &self,
+        mut stream: Box<dyn Stream>,
+        head: Head,
+        mut who: Identity,
+        place: &Place,
+    ) {
+        let admission = place.admit();
+        who.is_emergency_only = admission == Admission::EmergencyOnly;
+        if who.is_emergency_only {
+            self.log_rejection(who.peer, RejectReason::TooManyConnections);
+        }
+        let is_websocket = is_websocket_upgrade(&head);
+        let _ = match admission {
+            Admission::Closed => return,
+            Admission::EmergencyOnly if !is_websocket || head.path != "/rpc" => {
+                web::Response::error(503, NO_PLACE).send(&mut stream)
+            }
+            _ if is_websocket => return self.serve_websocket(stream, head, who),
+            _ => self.answer(&mut stream, &head, &who),
         };
     }
 
     /// Answers a request without a valid token. After a wrong token the answer is delayed, to slow down guessing.
-    fn reject(&self, stream: &mut dyn Stream, peer: Peer, why: RejectReason) -> io::Result<()> {
+    fn reject(
+        &self,
+        stream: &mut dyn Stream,
+        peer: Peer,
+        why: RejectReason,
+        place: &Place,
+    ) -> io::Result<()> {
         self.log_rejection(peer, why);
         if why == RejectReason::NoToken {
             let needed = "a token is needed: `Authorization: Bearer TOKEN`, or `?token=TOKEN`";
@@ -141,6 +171,7 @@ impl Acceptor {
         let Some(_wait) = self.throttle.reserve_delay(peer) else {
             return Ok(());
         };
+        place.extend(self.limits.wrong_token_delay);
         thread::sleep(self.limits.wrong_token_delay);
         web::Response::error(401, "the token is wrong").send(stream)
     }
@@ -152,22 +183,27 @@ impl Acceptor {
         }
     }
 
-    fn answer(&self, stream: &mut dyn Stream, head: &Head, peer: Peer) -> io::Result<()> {
+    fn answer(&self, stream: &mut dyn Stream, head: &Head, who: &Identity) -> io::Result<()> {
         let body = head.body(
             stream,
             self.limits.message_bytes,
             self.limits.request_timeout,
         );
         let response = match body {
-            Ok(body) => web::respond((&self.state, peer), &self.limits, head, &body),
+            Ok(body) => {
+                let connections = ConnectionCounts::new(&self.places, &self.throttle);
+                let settings = (&self.limits, &connections);
+                web::respond((&self.state, who), settings, head, &body)
+            }
             Err(_) => web::Response::error(413, "the body is too long or too slow"),
         };
         response.send(stream)
     }
 
-    fn serve_websocket(&self, mut stream: Box<dyn Stream>, head: Head, peer: Peer) {
+    fn serve_websocket(&self, mut stream: Box<dyn Stream>, head: Head, who: Identity) {
         let (out, outgoing) = outbox(&self.limits);
-        let Some(mut front) = self.handler_for(&head.path, peer, out) else {
+        let peer = who.peer;
+        let Some(mut front) = self.handler_for(&head.path, who, out) else {
             let _ =
                 web::Response::error(404, "there is no websocket at this path").send(&mut stream);
             return;
@@ -211,25 +247,36 @@ impl Acceptor {
     fn handler_for(
         &self,
         path: &str,
-        peer: Peer,
+        who: Identity,
         out: Outbox,
     ) -> Option<Box<dyn ConnectionHandler>> {
         let shared = self.state.clone();
         match path {
-            "/DirectIO" => Some(Box::new(DioConnection::new(shared, peer, out))),
-            "/rpc" => Some(Box::new(RpcConnection::new(shared, peer, out, self.limits))),
+            "/DirectIO" => Some(Box::new(DioConnection::new(shared, who, out))),
+            "/rpc" => Some(Box::new(RpcConnection::new(shared, who, out, self.limits))),
             _ => None,
         }
     }
 }
 
-/// Answer to a plain request at a TLS port.
+/// Error answer to a request whose `Host` header names another host, at a server without tokens.
+const OTHER_HOST: &str = "without a token this server answers only requests to an address or to `localhost`, not to other names (`Host`)";
+
+/// Error answer to a request that a browser sends on behalf of a page from another origin.
+const OTHER_ORIGIN: &str = "requests from pages of another origin are not allowed here";
+
+/// Error answer to a client for which no connection is left, except one for an emergency stop.
+const NO_PLACE: &str =
+    "there is no place for another client; the websocket /rpc still accepts `emergency.stop`";
+
+/// Error answer to an unencrypted request at a TLS port.
 const TLS_REQUIRED: &str = "this port speaks TLS only: https:// or wss://";
 
 /// First byte of a TLS connection: the content type of a handshake record (RFC 8446, section 5.1).
 const HANDSHAKE: u8 = 22;
 
-/// Returns whether the client starts a TLS handshake. No byte is taken from the stream.
+/// Waits for the first byte from a client and returns whether it starts a TLS handshake. The byte remains in the
+/// stream. Returns an error after `timeout`.
 fn starts_tls(stream: &TcpStream, timeout: Duration) -> io::Result<bool> {
     let begin = Instant::now();
     let mut first = [0];
@@ -248,68 +295,47 @@ fn is_websocket_upgrade(head: &Head) -> bool {
     upgrade.is_some_and(|value| value.eq_ignore_ascii_case("websocket"))
 }
 
-/// Place of a connection in the count of its peer. Dropping it decrements the count.
-struct ConnectionSlot(Arc<Mutex<BTreeMap<Peer, usize>>>, Peer);
-
-impl ConnectionSlot {
-    /// Counts a connection of `peer`. Returns `None` if the limit or the share of the peer is reached.
-    fn acquire(
-        connections: &Arc<Mutex<BTreeMap<Peer, usize>>>,
-        peer: Peer,
-        limit: usize,
-    ) -> Option<ConnectionSlot> {
-        let mut counts = connections.lock().unwrap_or_else(PoisonError::into_inner);
-        let own = counts.get(&peer).copied().unwrap_or(0);
-        let taken = Usage::for_peer(counts.values().sum(), own);
-        taken.admit(1, limit).ok()?;
-        counts.insert(peer, own + 1);
-        Some(ConnectionSlot(Arc::clone(connections), peer))
-    }
-}
-
-impl Drop for ConnectionSlot {
-    fn drop(&mut self) {
-        let mut counts = self.0.lock().unwrap_or_else(PoisonError::into_inner);
-        if let Some(own) = counts.get_mut(&self.1) {
-            *own -= 1;
-        }
-        // Otherwise the map would grow with every address that ever connected.
-        counts.retain(|_, own| *own > 0);
-    }
-}
-
 #[cfg(unix)]
 impl Acceptor {
-    /// Accepts connections at a Unix socket until the server closes. The permissions of the socket file control access.
-    pub(crate) fn accept_all_local(&self, listener: &std::os::unix::net::UnixListener) {
+    /// Accepts connections at a Unix socket until the server closes. The permissions of the socket file control who may
+    /// connect; all clients of the socket have its role.
+    pub(crate) fn accept_all_local(&self, listener: &std::os::unix::net::UnixListener, role: Role) {
         while !self.closing.load(Ordering::Relaxed) {
             match listener.accept() {
-                Ok((stream, _)) => self.accept_local(stream),
+                Ok((stream, _)) => self.accept_local(stream, role),
                 Err(_) => thread::sleep(POLL_INTERVAL),
             }
         }
     }
 
-    fn accept_local(&self, stream: std::os::unix::net::UnixStream) {
+    fn accept_local(&self, stream: std::os::unix::net::UnixStream, role: Role) {
         let ready = stream
             .set_nonblocking(false)
             .and_then(|()| stream.set_read_timeout(Some(READ_TIMEOUT)))
             .and_then(|()| stream.set_write_timeout(Some(self.limits.request_timeout)));
-        if ready.is_ok() {
-            self.spawn_connection(Peer::Local, move |acceptor| {
-                let (out, outgoing) = outbox(&acceptor.limits);
-                let mut front =
-                    RpcConnection::new(acceptor.state.clone(), Peer::Local, out, acceptor.limits);
-                let most = acceptor.limits.message_bytes;
-                let end = framing::lines(
-                    Box::new(stream),
-                    most,
-                    &mut front,
-                    &outgoing,
-                    &acceptor.closing,
-                );
-                acceptor.log_if_not_reading(end, Peer::Local);
-            });
+        let Ok(other_end) = ready.and_then(|()| stream.try_clone()) else {
+            return;
+        };
+        let close = move || drop(other_end.shutdown(Shutdown::Both));
+        let (place, admission) = self.places.enter_socket(Box::new(close));
+        let mut who = Identity::unnamed(Peer::Local, role);
+        who.is_emergency_only = admission == Admission::EmergencyOnly;
+        if who.is_emergency_only {
+            self.log_rejection(Peer::Local, RejectReason::TooManyConnections);
         }
+        self.spawn(move |acceptor| {
+            // Moved into the thread, so that the connection has its place until the thread ends.
+            let _place = place;
+            acceptor.serve_lines(stream, who);
+        });
+    }
+
+    fn serve_lines(&self, stream: std::os::unix::net::UnixStream, who: Identity) {
+        let (out, outgoing) = outbox(&self.limits);
+        let mut front = RpcConnection::new(self.state.clone(), who, out, self.limits);
+        let most = self.limits.message_bytes;
+        let stream = Box::new(stream);
+        let end = framing::lines(stream, most, &mut front, &outgoing, &self.closing);
+        self.log_if_not_reading(end, Peer::Local);
     }
 }

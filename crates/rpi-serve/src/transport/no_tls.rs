@@ -7,12 +7,12 @@ use std::path::Path;
 
 use crate::open_error::IdentityError;
 
-/// Certificate and key of the server; cannot be created without TLS.
+/// Certificate and key of the server in a build with TLS. This type has no value, because this build has no TLS.
 #[derive(Clone)]
 pub(crate) struct TlsIdentity(Infallible);
 
 impl TlsIdentity {
-    /// Rejects the files, because the server cannot use them.
+    /// Returns an error, because a build without TLS cannot use certificate and key.
     ///
     /// # Errors
     /// Always.
@@ -20,7 +20,7 @@ impl TlsIdentity {
         Err(IdentityError::TlsUnsupported)
     }
 
-    /// Never called, because there is no identity.
+    /// Never called, because [`TlsIdentity`] has no value in a build without TLS.
     pub(crate) fn accept(&self, _: TcpStream) -> io::Result<TcpStream> {
         match self.0 {}
     }

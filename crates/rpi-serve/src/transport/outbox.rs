@@ -13,23 +13,23 @@ use crate::limits::Limits;
 pub(crate) struct Outbox {
     messages: SyncSender<String>,
     closed: Arc<AtomicBool>,
-    /// Number of bytes that may still be queued.
+    /// Number of bytes that may still be queued for the client.
     bytes_left: Arc<AtomicUsize>,
     /// Number of subscriptions that the client may still make.
     subscriptions_left: Arc<AtomicUsize>,
 }
 
-/// Sender of the messages of one subscription. Dropping it allows the client another subscription.
+/// Sender of the messages of one subscription. Dropping it frees the client's quota for another subscription.
 pub(crate) struct SubscriptionSender(Outbox);
 
-/// Receiver side of the queue of messages to a client, owned by the connection.
+/// Receiver side of the queue of messages to a client, owned by the client's connection.
 pub(crate) struct OutboxReceiver {
     messages: Receiver<String>,
     closed: Arc<AtomicBool>,
     bytes_left: Arc<AtomicUsize>,
 }
 
-/// Creates the queue of messages to a client.
+/// Creates the queue of messages to a client: its sender and its receiver side.
 pub(crate) fn outbox(limits: &Limits) -> (Outbox, OutboxReceiver) {
     let (sender, messages) = sync_channel(limits.queued_messages);
     let over = Arc::new(AtomicBool::new(false));
@@ -51,7 +51,8 @@ pub(crate) fn outbox(limits: &Limits) -> (Outbox, OutboxReceiver) {
 }
 
 impl Outbox {
-    /// Queues a message. Returns false if the client is disconnected.
+    /// Queues a message to the client. Returns false if the client is disconnected. A full queue disconnects the
+    /// client.
     pub(crate) fn queue(&self, message: String) -> bool {
         if self.closed.load(Ordering::Relaxed) {
             return false;
@@ -70,13 +71,19 @@ impl Outbox {
         self.closed.store(true, Ordering::Relaxed);
     }
 
-    /// Reserves a sender for a subscription; `None` if the client has too many.
+    /// Returns how many further subscriptions the client may have.
+    #[cfg(test)]
+    pub(crate) fn subscriptions_left(&self) -> usize {
+        self.subscriptions_left.load(Ordering::Relaxed)
+    }
+
+    /// Reserves a sender for a subscription; `None` if the client has the maximum number of subscriptions.
     pub(crate) fn subscription_sender(&self) -> Option<SubscriptionSender> {
         take(&self.subscriptions_left, 1).then(|| SubscriptionSender(self.clone()))
     }
 }
 
-/// Takes a number from what is left. Returns false, and takes nothing, if less is left.
+/// Subtracts a number from what is left of a quota. Returns false, and subtracts nothing, if less is left.
 fn take(left: &AtomicUsize, number: usize) -> bool {
     let less = |left: usize| left.checked_sub(number);
     left.fetch_update(Ordering::Relaxed, Ordering::Relaxed, less)
@@ -102,7 +109,7 @@ impl Drop for SubscriptionSender {
 }
 
 impl OutboxReceiver {
-    /// Waits for the next message, for at most `wait`.
+    /// Waits for the next message to the client, for at most `wait`; `None` if there is none.
     pub(crate) fn receive(&self, wait: Duration) -> Option<String> {
         let message = match wait.is_zero() {
             true => self.messages.try_recv().ok(),
@@ -113,7 +120,7 @@ impl OutboxReceiver {
         Some(message)
     }
 
-    /// Returns whether the client is to be disconnected.
+    /// Returns whether the client was marked as disconnected, so that its connection must end.
     pub(crate) fn is_closed(&self) -> bool {
         self.closed.load(Ordering::Relaxed)
     }

@@ -10,14 +10,16 @@ use rustls::pki_types::pem::{self, PemObject};
 use rustls::pki_types::{CertificateDer, PrivateKeyDer};
 use rustls::{ServerConfig, ServerConnection, StreamOwned};
 
+use crate::client_token::ensure_private_file;
 use crate::open_error::IdentityError;
 
-/// Certificate and key of the server.
+/// Certificate chain and private key of the server, as a configuration for TLS connections.
 #[derive(Clone)]
 pub(crate) struct TlsIdentity(Arc<ServerConfig>);
 
 impl TlsIdentity {
     /// Reads the certificate chain, the server's own certificate first, and the private key, both in PEM (RFC 7468).
+    /// The file with the key must be accessible to its owner only.
     ///
     /// # Errors
     /// If a file cannot be read or used.
@@ -31,6 +33,7 @@ impl TlsIdentity {
         if chain.is_empty() {
             return Err(of(certificates, &"the file has no certificate"));
         }
+        ensure_private_file(key).map_err(|why| of(key, &why))?;
         let secret = PrivateKeyDer::from_pem_file(key).map_err(|why| match why {
             pem::Error::NoItemsFound => of(key, &"the file has no private key"),
             why => of(key, &why),
@@ -73,7 +76,8 @@ impl Write for TlsStream {
 }
 
 impl Drop for TlsStream {
-    /// Sends `close_notify`, so that the client can rule out a truncated answer.
+    /// Sends the TLS message `close_notify`, so that the client can distinguish the end of an answer from a truncated
+    /// one.
     fn drop(&mut self) {
         self.0.conn.send_close_notify();
         let _ = self.0.flush();

@@ -2,8 +2,9 @@
 
 use std::collections::BTreeMap;
 
-/// Parses form data. Keys and values are percent-encoded (WHATWG URL, section 5). Clients of the reference system send
-/// some forms unencoded; a space in the body shows that, as an encoded form never has one.
+/// Parses form data to a map from keys to values, both percent-encoded (WHATWG URL, section 5). Clients of the
+/// reference system (the control core of the Robotics API) send some forms unencoded; a body with a space is read as
+/// such a form, because an encoded form has no spaces.
 pub(crate) fn parse(body: &str) -> BTreeMap<String, String> {
     let plain = body.contains(' ');
     let pairs = body.split('&').filter_map(|pair| pair.split_once('='));

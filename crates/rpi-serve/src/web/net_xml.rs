@@ -5,8 +5,9 @@ use rpi_net::{FragmentId, FragmentTree, Input, Item, Net, NodeId};
 
 use super::xml::XmlWriter;
 
-/// Returns the XML page of a net. Ports are named by their full path.
-pub(super) fn page(net: &Net) -> String {
+/// Returns the XML page of a net: fragments, modules (primitives), parameters, and the source of each port by its full
+/// path.
+pub(crate) fn page(net: &Net) -> String {
     let mut xml = XmlWriter::new("rpinet");
     let mut writer = Writer {
         net,
@@ -24,7 +25,8 @@ struct Writer<'a> {
 }
 
 impl Writer<'_> {
-    /// Writes a fragment with its contents. The recursion is bounded, as the compiler limits the nesting of fragments.
+    /// Writes a fragment with its contents, including nested fragments. The recursion is bounded, as the compiler
+    /// limits the nesting of fragments.
     fn fragment(&mut self, id: FragmentId) {
         let own = self.net.fragment(id);
         self.xml.begin("fragment", &[("id", &own.name)]);
@@ -58,7 +60,7 @@ impl Writer<'_> {
         self.xml.end();
     }
 
-    /// Writes a port and its source: another port or a constant. An open port is left out.
+    /// Writes a port and its source: another port or a constant. An unconnected port is left out.
     fn link(&mut self, kind: &'static str, name: &str, source: &Input) {
         let (key, value) = match source {
             Input::Unconnected => return,

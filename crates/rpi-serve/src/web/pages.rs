@@ -1,16 +1,16 @@
 //! HTTP pages about the server: modules, types, devices, sessions, nets.
 
 use std::collections::BTreeMap;
+use std::sync::Arc;
 
 use rpi_image::{PortType, PrimDesc, Scalar};
 use rpi_prims::registry;
 
-use super::net_xml;
 use super::response::Response;
 use super::xml::XmlWriter;
 use crate::state::{ApiError, SharedState};
 
-/// Index page, shown at `/`.
+/// Index page with all paths of the server, shown at `/`.
 const INDEX: &str = "RPI control core\n\n\
     /modules   the primitives, with ports and parameters\n\
     /types     the types of values\n\
@@ -19,11 +19,12 @@ const INDEX: &str = "RPI control core\n\n\
     /nets      the commands; of one /nets/<name>/dio (its text), /xml (its parts), /debug (its inputs and exports), /stats\n\
     /extensions  groups of primitives\n\
     /log       the latest log lines\n\
+    /metrics   counters and histograms for monitoring, as OpenMetrics text\n\
     /eval      POST: one cycle of a net\n\
     /DirectIO  websocket: the DirectIO protocol 2.0\n\
     /rpc       websocket: JSON-RPC 2.0\n";
 
-/// Returns the page with this path.
+/// Returns the page whose path has these segments, or an error response.
 pub(crate) fn page(shared: &SharedState, parts: &[&str]) -> Response {
     match parts {
         [] => Response::text(INDEX.to_owned()),
@@ -75,7 +76,7 @@ fn module(xml: &mut XmlWriter, desc: &PrimDesc) {
     xml.end();
 }
 
-/// Returns the protocol's qualified name of a scalar type, such as `Core::double`.
+/// Returns the name of a scalar type in the DirectIO protocol, such as `Core::double` for a real.
 fn scalar_name(scalar: Scalar) -> String {
     let (module, name) = match scalar {
         Scalar::Bool => ("Core", "bool"),
@@ -153,15 +154,19 @@ fn text(shared: &SharedState, name: &str) -> Result<String, ApiError> {
     Ok(origin.ok_or_else(none)?.text.to_string())
 }
 
-/// Returns the structure of a net as XML. The net is compiled again from its text, with the state unlocked.
+/// Returns the structure of a command's net as XML. The net is compiled again from its text, without locking the state.
 fn net_structure(shared: &SharedState, name: &str) -> Result<String, ApiError> {
-    let origin = shared.lock().objects.commands.find(name)?.1.origin.clone();
+    let state = shared.lock();
+    let origin = state.objects.commands.find(name)?.1.origin.clone();
     let none = || ApiError::Unknown(format!("text of {name}: it is part of a task"));
-    let page = origin.ok_or_else(none)?.net(|net| Ok(net_xml::page(net)));
+    let (source, timeout) = (origin.ok_or_else(none)?, state.limits.request_timeout);
+    let compiler = Arc::clone(&state.compiler);
+    drop(state);
+    let page = compiler.structure(source, timeout);
     page.map_err(ApiError::Rejected)
 }
 
-/// Returns the inputs of a command and its latest exports.
+/// Returns the inputs of a command and its latest exported values as XML.
 fn debug(shared: &SharedState, name: &str) -> Result<String, ApiError> {
     let state = shared.lock();
     let (_, record) = state.objects.commands.find(name)?;
@@ -178,7 +183,7 @@ fn debug(shared: &SharedState, name: &str) -> Result<String, ApiError> {
     Ok(xml.finish())
 }
 
-/// Returns the groups of primitives with the number of primitives in each.
+/// Returns as XML the groups of primitives (the part of their names before `::`) with the number of primitives in each.
 fn extensions() -> String {
     let mut groups: BTreeMap<&str, usize> = BTreeMap::new();
     for prim in registry() {

@@ -7,11 +7,13 @@ use std::time::Duration;
 use super::response::Response;
 use super::xml::XmlWriter;
 use crate::peer::Peer;
+use crate::role::Identity;
 use crate::state::{ApiError, NewDevice, Reply, SharedState};
 
 type Form = BTreeMap<String, String>;
 
-/// Runs a net for one cycle and returns its exports as an XML response.
+/// Runs the net in the form field `dionet` for a single cycle and returns its exports as an XML response. Waits at most
+/// `timeout` for the cycle.
 pub(crate) fn eval(shared: &SharedState, form: &Form, timeout: Duration) -> Response {
     let Some(net) = form.get("dionet") else {
         return Response::error(400, "expected a form with dionet=...");
@@ -36,7 +38,7 @@ pub(crate) fn eval(shared: &SharedState, form: &Form, timeout: Duration) -> Resp
     }
 }
 
-/// Adds or removes a device, as requested by a form.
+/// Adds a device, or removes one if the form field `action` is `remove`. Waits at most `timeout` for the cycle.
 pub(crate) fn device(
     (shared, peer): (&SharedState, Peer),
     form: &Form,
@@ -62,8 +64,12 @@ pub(crate) fn device(
     }
 }
 
-/// Ends a session, as requested by a form.
-pub(crate) fn session((shared, peer): (&SharedState, Peer), name: &str, form: &Form) -> Response {
+/// Closes the session with this name and aborts its commands, if the form field `action` is `TERMINATE`.
+pub(crate) fn session(
+    (shared, who): (&SharedState, &Identity),
+    name: &str,
+    form: &Form,
+) -> Response {
     if form
         .get("action")
         .is_none_or(|action| action != "TERMINATE")
@@ -72,7 +78,7 @@ pub(crate) fn session((shared, peer): (&SharedState, Peer), name: &str, form: &F
     }
     let mut state = shared.lock();
     // An HTTP request counts as a client without sessions.
-    let nobody = state.objects.client(peer);
+    let nobody = state.objects.client(who);
     let ended = state
         .objects
         .may_act(nobody, name)

@@ -2,7 +2,7 @@
 
 use std::io::{self, Write};
 
-/// An HTTP response. The connection is closed after it.
+/// An HTTP response. The server closes the connection after sending it.
 #[derive(Debug)]
 pub(crate) struct Response {
     status: u16,
@@ -19,23 +19,25 @@ const REASONS: &[(u16, &str)] = &[
     (404, "Not Found"),
     (405, "Method Not Allowed"),
     (413, "Content Too Large"),
+    (421, "Misdirected Request"),
     (426, "Upgrade Required"),
     (503, "Service Unavailable"),
 ];
 
 impl Response {
     pub(crate) fn xml(body: String) -> Response {
-        Response {
-            status: 200,
-            content_type: "application/xml",
-            body,
-        }
+        Response::with_type("application/xml", body)
     }
 
     pub(crate) fn text(body: String) -> Response {
+        Response::with_type("text/plain; charset=utf-8", body)
+    }
+
+    /// Creates a successful response of this media type.
+    pub(crate) fn with_type(content_type: &'static str, body: String) -> Response {
         Response {
             status: 200,
-            content_type: "text/plain; charset=utf-8",
+            content_type,
             body,
         }
     }

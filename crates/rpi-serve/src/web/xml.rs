@@ -24,7 +24,7 @@ impl XmlWriter {
         self.open.push(name);
     }
 
-    /// Closes the innermost open element.
+    /// Closes the innermost open element; does nothing if none is open.
     pub(crate) fn end(&mut self) {
         if let Some(name) = self.open.pop() {
             self.text
@@ -50,7 +50,7 @@ impl XmlWriter {
         }
     }
 
-    /// Closes all open elements and returns the document.
+    /// Closes all open elements and returns the text of the document.
     pub(crate) fn finish(mut self) -> String {
         while !self.open.is_empty() {
             self.end();
@@ -63,7 +63,7 @@ fn indent(depth: usize) -> String {
     "  ".repeat(depth)
 }
 
-/// Escapes a text for XML. Control characters that XML 1.0 does not allow are left out.
+/// Escapes a text for use in XML content and attributes. Control characters that XML 1.0 does not allow are left out.
 fn escaped(text: &str) -> String {
     let mut out = String::with_capacity(text.len());
     for sign in text.chars() {

@@ -110,7 +110,7 @@ fn wrong_tokens(scene: &Scene, random: &mut Random) {
     let shown = shown[random.below(shown.len())];
     http(
         scene.address,
-        &format!("GET /rpc HTTP/1.1\r\nHost: cell\r\n{shown}Upgrade: websocket\r\n\r\n"),
+        &format!("GET /rpc HTTP/1.1\r\nHost: localhost\r\n{shown}Upgrade: websocket\r\n\r\n"),
     );
 }
 
@@ -159,7 +159,7 @@ fn pages_and_devices(scene: &Scene, random: &mut Random) {
     let name = random.below(3);
     let post = |page: &str, body: &str| {
         let length = body.len();
-        let head = format!("POST {page} HTTP/1.1\r\nHost: cell\r\n{AUTHORIZED}");
+        let head = format!("POST {page} HTTP/1.1\r\nHost: localhost\r\n{AUTHORIZED}");
         http(
             scene.address,
             &format!("{head}Content-Length: {length}\r\n\r\n{body}"),
@@ -189,22 +189,7 @@ fn a_large_net(scene: &Scene, random: &mut Random) {
 
 /// Returns a net with this many additions in a row.
 fn long(additions: usize) -> String {
-    use std::fmt::Write;
-    let one = "1.000000000000000000000000000001";
-    let mut net = String::from("{a0=Core::DoubleAdd(First='1.0',Second='1.0')");
-    for k in 1..additions {
-        let before = k - 1;
-        let _ = write!(
-            net,
-            ",a{k}=Core::DoubleAdd(inFirst=a{before}.outValue,Second='{one}')"
-        );
-    }
-    let last = additions - 1;
-    let _ = write!(
-        net,
-        ",out=Core::DoubleNetcommOut(inValue=a{last}.outValue,Key='sum')}}"
-    );
-    net
+    rpi_testkit::net_of_additions(additions, "1.000000000000000000000000000001")
 }
 
 /// Subscribes to every command with a period of one tick and reads nothing.

@@ -23,9 +23,9 @@ use std::sync::atomic::{AtomicU64, Ordering};
 use std::thread;
 use std::time::{Duration, Instant};
 
-use rpi_record::mcap::{RecordingOptions, RunSources};
+use rpi_record::mcap::{PartLimits, Profile, RecordingOptions, RunSources, single_part};
 use rpi_runtime::realtime::TimeBase;
-use rpi_serve::{Server, Settings};
+use rpi_serve::{ClientToken, Role, Server, Settings, SocketSettings};
 use rpi_sim::Cell;
 use rpi_testkit::resident_memory_kb;
 
@@ -63,13 +63,15 @@ fn open(
     let cell = Cell::parse("cell.toml", &text).unwrap_or_else(|errors| panic!("{errors}"));
     let socket = folder.path().join("rpi.sock");
     let settings = Settings {
-        token: Some(TOKEN.to_owned()),
-        socket: Some(socket.clone()),
+        tokens: vec![ClientToken::new("chaos", Role::Programmer, TOKEN)],
+        sockets: vec![SocketSettings::new(socket.clone())],
         ..other
     };
     let out = || File::create(folder.path().join("out.mcap")).unwrap();
     let recording = records.then(|| RecordingOptions {
-        out: Box::new(BufWriter::new(out())),
+        parts: single_part(BufWriter::new(out())),
+        limits: PartLimits::default(),
+        profile: Profile::default(),
         origin: RunSources {
             cell: text,
             ..RunSources::default()
@@ -178,6 +180,6 @@ fn wait_for_calm(scene: &Scene) {
 fn page(scene: &Scene, path: &str) -> String {
     http(
         scene.address,
-        &format!("GET {path} HTTP/1.1\r\nHost: cell\r\nAuthorization: Bearer {TOKEN}\r\n\r\n"),
+        &format!("GET {path} HTTP/1.1\r\nHost: localhost\r\nAuthorization: Bearer {TOKEN}\r\n\r\n"),
     )
 }

@@ -5,7 +5,7 @@ use std::time::{Duration, Instant};
 
 use serde_json::json;
 
-use rpi_serve::{Limits, OnLoss, OpenError, Server, Settings, TlsFiles};
+use rpi_serve::{ClientToken, Limits, OnLoss, OpenError, Role, Server, Settings, TlsFiles};
 use rpi_sim::Cell;
 
 use crate::client::{Client, PATIENCE, get, http, open, post, server, settings};
@@ -26,7 +26,7 @@ fn beyond_this_machine_a_token_and_tls_are_needed() {
         other => panic!("{other:?}"),
     };
     assert_eq!(refusal(&settings), (true, true));
-    settings.token = Some("secret".to_owned());
+    settings.tokens = vec![ClientToken::new("test", Role::Programmer, "secret")];
     assert_eq!(refusal(&settings), (false, true));
     let why = Server::open(&cell, &settings, ()).unwrap_err().to_string();
     assert!(why.starts_with("RPI9201: "), "{why}");
@@ -50,7 +50,7 @@ fn beyond_this_machine_a_token_and_tls_are_needed() {
 fn wrong_tokens_and_pages_from_elsewhere_are_turned_away() {
     let server = server(
         &Settings {
-            token: Some("open sesame".into()),
+            tokens: vec![ClientToken::new("test", Role::Programmer, "open sesame")],
             ..settings()
         },
         (),
@@ -58,7 +58,7 @@ fn wrong_tokens_and_pages_from_elsewhere_are_turned_away() {
     let ask = |header: &str| {
         http(
             server.address(),
-            &format!("GET /nets HTTP/1.1\r\nHost: cell\r\n{header}\r\n\r\n"),
+            &format!("GET /nets HTTP/1.1\r\nHost: localhost\r\n{header}\r\n\r\n"),
         )
     };
     let lacking = ask("X: y");
@@ -93,7 +93,7 @@ fn guessing_a_token_is_slow_and_holds_nobody_up() {
         ..Limits::default()
     };
     let settings = Settings {
-        token: Some(token.into()),
+        tokens: vec![ClientToken::new("test", Role::Programmer, token)],
         limits,
         ..settings()
     };
@@ -103,7 +103,7 @@ fn guessing_a_token_is_slow_and_holds_nobody_up() {
         let header = format!("Authorization: Bearer {shown}");
         http(
             address,
-            &format!("GET /nets HTTP/1.1\r\nHost: cell\r\n{header}\r\n\r\n"),
+            &format!("GET /nets HTTP/1.1\r\nHost: localhost\r\n{header}\r\n\r\n"),
         )
     };
     let begin = Instant::now();

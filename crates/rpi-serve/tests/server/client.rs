@@ -57,10 +57,14 @@ impl Client {
 
     /// Connects as the client of the reference system does: without version and masking.
     pub(crate) fn at(address: SocketAddr, path: &str) -> Client {
-        let mut stream = TcpStream::connect(address).unwrap();
+        let stream = TcpStream::connect(address).unwrap();
+        Client::over(stream, path)
+    }
+
+    fn over(mut stream: TcpStream, path: &str) -> Client {
         write!(
             stream,
-            "GET {path} HTTP/1.1\r\nHost: cell\r\nUpgrade: websocket\r\nConnection: Upgrade\r\n\
+            "GET {path} HTTP/1.1\r\nHost: localhost\r\nUpgrade: websocket\r\nConnection: Upgrade\r\n\
              Sec-WebSocket-Key: dGhlIHNhbXBsZSBub25jZQ==\r\n\r\n"
         )
         .unwrap();
@@ -169,7 +173,7 @@ pub(crate) fn http(address: SocketAddr, request: &str) -> String {
 pub(crate) fn get(address: SocketAddr, path: &str) -> String {
     http(
         address,
-        &format!("GET {path} HTTP/1.1\r\nHost: cell\r\n\r\n"),
+        &format!("GET {path} HTTP/1.1\r\nHost: localhost\r\n\r\n"),
     )
 }
 
@@ -177,6 +181,8 @@ pub(crate) fn post(address: SocketAddr, path: &str, body: &str) -> String {
     let length = body.len();
     http(
         address,
-        &format!("POST {path} HTTP/1.1\r\nHost: cell\r\nContent-Length: {length}\r\n\r\n{body}"),
+        &format!(
+            "POST {path} HTTP/1.1\r\nHost: localhost\r\nContent-Length: {length}\r\n\r\n{body}"
+        ),
     )
 }

@@ -10,14 +10,18 @@ mod exchange;
 mod json_rpc;
 mod limits;
 mod methods;
+mod metrics;
 mod native;
 mod nets;
 mod operator;
 mod order;
 mod overruns;
 mod owners;
+#[cfg(unix)]
+mod places;
 mod recording;
 mod request_limits;
+mod roles;
 mod rules;
 mod slow_reader;
 mod updates;

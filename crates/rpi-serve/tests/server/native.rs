@@ -4,6 +4,7 @@ use serde_json::{Value, json};
 
 use crate::client::{Client, open, server, settings};
 use crate::nets::ECHO;
+use rpi_serve::SocketSettings;
 
 const PROGRAM: &str = "
 command Count (limit: int)
@@ -111,7 +112,7 @@ fn a_unix_socket_takes_a_message_per_line() {
     let path = folder.path().join("rpi.sock");
     let server = server(
         &rpi_serve::Settings {
-            socket: Some(path.clone()),
+            sockets: vec![SocketSettings::new(path.clone())],
             limits: rpi_serve::Limits {
                 message_bytes: 4096,
                 ..settings().limits
@@ -172,7 +173,7 @@ fn only_sockets_that_nobody_listens_at_are_replaced() {
     let path = folder.path().join("rpi.sock");
     let cell = rpi_sim::Cell::parse("cell.toml", "").unwrap();
     let settings = rpi_serve::Settings {
-        socket: Some(path.clone()),
+        sockets: vec![SocketSettings::new(path.clone())],
         ..settings()
     };
     let refused = || {

@@ -6,7 +6,9 @@ use std::fs::File;
 use std::io::BufWriter;
 use std::time::{Duration, Instant};
 
-use rpi_record::mcap::{Recording, RecordingOptions, RunSources, replay};
+use rpi_record::mcap::{
+    PartLimits, Profile, Recording, RecordingOptions, RunSources, replay, single_part,
+};
 use rpi_serve::{Server, Settings};
 use rpi_sim::Cell;
 use serde_json::{Value, json};
@@ -97,7 +99,9 @@ fn a_policy_of_its_own_ends_a_command_and_no_other() {
     let path = folder.path().join("out.mcap");
     let cell = Cell::parse("cell.toml", CELL).unwrap_or_else(|errors| panic!("{errors}"));
     let wanted = RecordingOptions {
-        out: Box::new(BufWriter::new(File::create(&path).unwrap())),
+        parts: single_part(BufWriter::new(File::create(&path).unwrap())),
+        limits: PartLimits::default(),
+        profile: Profile::default(),
         origin: RunSources {
             cell: CELL.to_owned(),
             ..RunSources::default()
@@ -126,8 +130,13 @@ fn a_policy_of_its_own_ends_a_command_and_no_other() {
     assert_eq!(describe(&mut client, &light)["state"], "running");
     server.close().unwrap();
     let bytes = std::fs::read(&path).unwrap();
+    let messages = mcap::MessageStream::new(&bytes)
+        .unwrap()
+        .map(Result::unwrap);
+    let mut events = messages.filter(|message| message.channel.topic == "/events");
     let fragment = br#""fragment":"Busy""#;
-    assert!(bytes.windows(fragment.len()).any(|text| text == fragment));
+    let names_it = |text: &[u8]| text.windows(fragment.len()).any(|part| part == fragment);
+    assert!(events.any(|event| names_it(&event.data)));
     let report = replay(&Recording::read(&bytes).unwrap()).unwrap();
     assert!(report.agrees(), "{report}");
 }

@@ -90,6 +90,38 @@ fn devices_have_names_and_known_parameters() {
         let refused = owner.ask("device.add", &params);
         assert_eq!(refused["error"]["code"], -32602, "{params}: {refused}");
     }
+    let wrong_values = [
+        (
+            json!({"max_vel": [1, 1]}),
+            "max_vel has 2 values, expected 7, one for each axis, in rad/s",
+        ),
+        (
+            json!({"min_joint": []}),
+            "min_joint has 0 values, expected 7",
+        ),
+        (
+            json!({"max_vel": [1, 1, 0, 1, 1, 1, 1]}),
+            "max_vel[2] is 0, expected a number greater than 0, in rad/s",
+        ),
+        (
+            json!({"max_acc": [1, -3, 1, 1, 1, 1, 1]}),
+            "max_acc[1] is -3, expected a number greater than 0, in rad/s^2",
+        ),
+        (
+            json!({"max_acc": [1, null, 1, 1, 1, 1, 1]}),
+            "max_acc: value 1 is null",
+        ),
+        (
+            json!({"max_joint": [1, 1, 1, 1, 1, 1, -9]}),
+            "max_joint[6]: the range from",
+        ),
+        (json!({"link_lengths": "long"}), "link_lengths: "),
+    ];
+    for (parameters, expected) in wrong_values {
+        let refused = owner.ask("device.add", &add("two", parameters.clone()));
+        let message = refused["error"]["message"].as_str().unwrap_or_default();
+        assert!(message.contains(expected), "{parameters}: {refused}");
+    }
     let good = add("arm two", json!({"max_vel": [1, 1, 1, 1, 1, 1, 1]}));
     let made = owner.ask("device.add", &good);
     assert_eq!(made["result"]["device"], "arm two", "{made}");

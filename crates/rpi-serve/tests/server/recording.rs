@@ -5,7 +5,10 @@ use std::io::{self, BufWriter, Cursor, Seek, SeekFrom, Write};
 use std::path::Path;
 use std::time::{Duration, Instant};
 
-use rpi_record::mcap::{Output, Recording, RecordingOptions, ReplayReport, RunSources, replay};
+use rpi_record::mcap::{
+    Output, PartLimits, Profile, Recording, RecordingOptions, ReplayReport, RunSources, replay,
+    single_part,
+};
 use rpi_serve::Server;
 use rpi_sim::Cell;
 
@@ -20,7 +23,9 @@ pub(crate) fn recorded(path: &Path) -> Server {
 fn recording_to(out: impl Output + 'static) -> Server {
     let cell = Cell::parse("cell.toml", CELL).unwrap_or_else(|errors| panic!("{errors}"));
     let wanted = RecordingOptions {
-        out: Box::new(out),
+        parts: single_part(out),
+        limits: PartLimits::default(),
+        profile: Profile::default(),
         origin: RunSources {
             program: "server".to_owned(),
             program_bytes: Vec::new(),

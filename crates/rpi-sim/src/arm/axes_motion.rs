@@ -3,37 +3,39 @@
 use super::kinematics::PerAxis;
 use super::limits::Violation;
 use super::path_fault::{PathFault, out_of_range};
+use crate::device::real_at;
 use crate::error_code::ErrorCode;
 use rpi_kin::MAX_AXES;
 use rpi_kin::state_to_rest::Bounds;
 use rpi_motion::time_law::PathState;
 use rpi_motion::{Arm, Controls, JointGoal, JointMotion, JointState, SetPoint};
 
-/// Kind of a motion of the axes without a path.
+/// Kind of a motion of the axes without a path, with the target that the calling command passes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum AxesMotionKind {
-    /// All axes go to a position, synchronised by time. Target: the position of each axis, read once.
+    /// All axes move to a position and arrive at the same time. Target: the position of each axis, read once.
     ToPosition,
-    /// The axes follow a moving goal. Target: position and velocity of each axis, in each cycle.
+    /// The axes follow a moving goal. Target: position and velocity of each axis, read in each cycle.
     Follow,
-    /// The axes move with velocities. Target: the velocity of each axis, in each cycle.
+    /// The axes move with given velocities. Target: the velocity of each axis, read in each cycle.
     AtVelocity,
-    /// The axes come to rest, and stay there. Target: none.
+    /// The axes come to rest and stay there. The motion has no target.
     Hold,
 }
 
-/// The present motion of the axes without a path, if that is the motion of the arm.
+/// Motion of the axes of an arm without a path; inactive while the arm makes a motion along a path.
 #[derive(Clone, Debug)]
 pub(super) struct AxesMotion {
     motion: JointMotion,
     kind: Option<AxesMotionKind>,
-    /// Goal of a motion to a position, and the way of the axis that moves farthest, rad.
+    /// Position of each axis at the end of a motion to a position, rad.
     to: PerAxis,
+    /// Distance that the farthest moving axis travels during a motion to a position, rad; 0 for other motions.
     way: f64,
     at_range_end: Option<usize>,
 }
 
-/// Bounds above the limits of every axis.
+/// Requested bounds that exceed the limits of every axis, so that only the limits apply.
 const UNBOUNDED: Bounds = Bounds {
     speed: 1e6,
     acceleration: 1e9,
@@ -51,27 +53,29 @@ impl AxesMotion {
         }
     }
 
-    /// Whether the motion of the arm is one of the axes without a path.
+    /// Returns true if the present motion of the arm is one of the axes without a path.
     pub(super) fn is_present(&self) -> bool {
         self.kind.is_some()
     }
 
-    /// Called when another motion has begun.
+    /// Marks that the arm now makes a motion along a path instead.
     pub(super) fn end(&mut self) {
         self.kind = None;
     }
 
-    /// State at the last set-point, if this motion gave it.
-    pub(super) fn state(&self) -> Option<JointState> {
-        self.kind.map(|_| self.motion.state())
+    /// Returns the state of the axes `elapsed` seconds after the last set-point if the arm stops on its own.
+    pub(super) fn stopping(&self, elapsed: f64) -> JointState {
+        self.motion.stopping(elapsed)
     }
 
-    /// Way of the axis that moves farthest, rad; 0 if it is not known.
+    /// Returns the distance that the farthest moving axis travels, rad; 0 for a motion without a known end.
     pub(super) fn way(&self) -> f64 {
         self.way
     }
 
-    /// Begins a motion from a state of the arm. If it cannot be made, the present motion goes on.
+    /// Begins a motion from the state `state` of the arm, with the bounds `requested` for each axis. `target` are the
+    /// slots of the target, `period` (s) is the time between set-points. If the motion is not possible, returns the
+    /// reason, and the present motion continues.
     pub(super) fn begin(
         &mut self,
         arm: &Arm,
@@ -102,7 +106,8 @@ impl AxesMotion {
         Ok(())
     }
 
-    /// The next set-point. `done` means at the goal; the path parameter is the way of the axis that moves farthest.
+    /// Returns the next set-point; `None` without a present motion. It is done while the axes are at the goal; its
+    /// position along the path is the distance that the farthest moving axis has travelled, rad.
     pub(super) fn next(
         &mut self,
         arm: &Arm,
@@ -127,12 +132,13 @@ impl AxesMotion {
         Some(self.set_point(arm, &next.state, done))
     }
 
-    /// The set-point `elapsed` seconds after the last one if the arm stops on its own.
+    /// Returns the set-point `elapsed` seconds after the last one if the arm stops on its own.
     pub(super) fn braking_set_point(&self, arm: &Arm, elapsed: f64) -> SetPoint {
-        self.set_point(arm, &self.motion.stopping(elapsed), false)
+        self.set_point(arm, &self.stopping(elapsed), false)
     }
 
-    /// The axis that cannot go on, as an error.
+    /// Returns an error for an axis that rests at the end of its range because the goal lies beyond; `None` if there is
+    /// none.
     pub(super) fn fault(&self, arm: &Arm) -> Option<PathFault> {
         let axis = self.at_range_end.filter(|_| self.is_present())?;
         let (range, value) = (
@@ -165,24 +171,24 @@ impl AxesMotion {
     }
 }
 
-/// Reads one real for each axis, from a slot on; NaN where there is none.
+/// Reads one real for each axis from the slots `target`, beginning with the slot `from`; NaN for missing slots.
 fn reals(target: &[u64], from: usize, axes: usize) -> PerAxis {
     let mut all = PerAxis::default();
     for (axis, slot) in all.iter_mut().enumerate().take(axes) {
-        let bits = target.get(from + axis);
-        *slot = bits.map_or(f64::NAN, |bits| f64::from_bits(*bits));
+        *slot = real_at(target, from + axis);
     }
     all
 }
 
-/// Largest difference of an axis.
+/// Returns the largest difference of an axis between two sets of joint positions.
 fn farthest(one: &PerAxis, other: &PerAxis, axes: usize) -> f64 {
     let both = one.iter().zip(other).take(axes.min(MAX_AXES));
     both.map(|(one, other)| (one - other).abs())
         .fold(0.0, f64::max)
 }
 
-/// Checks that all axes end within their ranges, or no farther out than they start.
+/// Checks that each axis ends within its range, or no farther out than it starts. `to` and `from` are joint positions,
+/// rad.
 fn check_ranges(arm: &Arm, to: &PerAxis, from: &PerAxis) -> Result<(), PathFault> {
     for (axis, limits) in arm.limits().iter().enumerate() {
         let (range, from, to) = (limits.position, from[axis], to[axis]);

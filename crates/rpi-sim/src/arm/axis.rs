@@ -9,15 +9,15 @@ use rpi_kin::AxisLimits;
 #[derive(Clone, Debug)]
 pub(super) struct Axis {
     pub(super) limits: AxisLimits,
-    /// State commanded by the last accepted set-point, or by braking.
+    /// State of the axis according to the last accepted set-point, or to braking.
     pub(super) commanded: AxisState,
-    /// State that the set-point accepted in this tick would lead to; `None` without a set-point.
+    /// State of the axis according to the set-point accepted in this tick, not yet applied; `None` without a set-point.
     pub(super) staged: Option<AxisState>,
-    /// Position of the drive on its way to the commanded position, in rad.
+    /// Position of the drive, which moves to the commanded position over several ticks, in rad.
     pub(super) driven: f64,
-    /// Measured state, without noise and latency.
+    /// Measured state, before noise and latency are added.
     pub(super) measured: AxisState,
-    /// Present error code of the axis.
+    /// Present error code of the axis; 0 for none.
     pub(super) code: ErrorCode,
 }
 
@@ -34,7 +34,8 @@ impl Axis {
         }
     }
 
-    /// Checks a set-point `target` (rad) that follows the last one after `period` (s). Returns the resulting state.
+    /// Checks the set-point `target` (rad), which follows the last one after `period` (s), against the enforced limits.
+    /// Returns the state of the axis that it leads to, or the violated limit.
     pub(super) fn check_set_point(
         &self,
         target: f64,
@@ -44,25 +45,25 @@ impl Axis {
         check_set_point(&self.commanded, target, period, &self.limits, enforced)
     }
 
-    /// True if the axis is moving and has no set-point in this tick.
+    /// True if the axis moves and has no set-point in this tick.
     pub(super) fn lacks_set_point(&self) -> bool {
         self.staged.is_none() && self.commanded.is_moving()
     }
 
-    /// Clears the error of a rejected set-point, but not a failure of the joint.
+    /// Clears the error code of a rejected set-point, but not that of a failure of the joint.
     pub(super) fn clear_rejection(&mut self) {
         if !self.code.is_failure() {
             self.code = ErrorCode::OK;
         }
     }
 
-    /// Applies the staged set-point, or holds the position without one.
+    /// Applies the set-point of this tick; without one, the axis holds its position.
     pub(super) fn apply_set_point(&mut self) {
         let held = AxisState::at_rest(self.commanded.position);
         self.commanded = self.staged.take().unwrap_or(held);
     }
 
-    /// Moves the drive towards the commanded position, which it reaches after `left` more ticks.
+    /// Moves the drive by one tick towards the commanded position, which it reaches after `left` ticks.
     pub(super) fn drive(&mut self, left: u32) {
         self.driven = match left {
             0 | 1 => self.commanded.position,
@@ -70,7 +71,7 @@ impl Axis {
         };
     }
 
-    /// Moves at a velocity (rad/s) for one tick (s) while the arm brakes.
+    /// Moves the axis with the velocity `velocity` (rad/s) for one tick of `tick` seconds, while the arm brakes.
     pub(super) fn move_braking(&mut self, velocity: f64, tick: f64) {
         let from = AxisState {
             position: self.driven,
@@ -80,13 +81,14 @@ impl Axis {
         self.driven = self.commanded.position;
     }
 
-    /// Moves to a position (rad) in one tick (s) while the arm brakes on a path.
+    /// Moves the axis to the position `position` (rad) in one tick of `tick` seconds, while the arm brakes on a path.
     pub(super) fn brake_to(&mut self, position: f64, tick: f64) {
         self.commanded = self.commanded.after_set_point(position, tick);
         self.driven = position;
     }
 
-    /// Moves the measured position towards the drive by the fraction `share` of the difference, in one tick (s).
+    /// Moves the measured position towards the drive by the fraction `share` (0 to 1) of their difference, in one tick
+    /// of `tick` seconds.
     pub(super) fn measure(&mut self, share: f64, tick: f64) {
         let from = self.measured.position;
         self.measured = self

@@ -4,7 +4,7 @@ use super::limits::AxisState;
 use rpi_kin::stop_profile::{StopProfile, VelocityState};
 use rpi_kin::{AxisLimits, MAX_AXES};
 
-/// Stop of an arm on its own: a stop profile for each axis, and the progress.
+/// Stop of an arm that brakes on its own: a stop profile for each axis, and the time since its start.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Brake {
     axes: [StopProfile; MAX_AXES],
@@ -12,12 +12,12 @@ pub(super) struct Brake {
     time: f64,
 }
 
-/// Tolerance for a motion to count as a straight line in joint space: deviation of the accelerations from
-/// proportionality to the velocities, as a fraction of the acceleration limits.
+/// Maximum deviation of the accelerations of the axes from a common multiple of their velocities, as a fraction of the
+/// acceleration limits, for a motion that counts as a straight line in joint space.
 const STRAIGHTNESS_TOLERANCE: f64 = 1e-3;
 
 impl Brake {
-    /// Plans the stop from the states of all axes. An axis without a valid stop profile stops at once.
+    /// Plans the stop from the states of all axes. An axis for which no stop profile is possible stops at once.
     pub(super) fn new<'a>(axes: impl Iterator<Item = (AxisState, &'a AxisLimits)> + Clone) -> Self {
         let mut stops = [StopProfile::default(); MAX_AXES];
         let along = braking_line(axes.clone());
@@ -34,7 +34,7 @@ impl Brake {
         }
     }
 
-    /// Advances the time by `tick` (s). Returns the new velocity of each axis.
+    /// Advances the time of the stop by `tick` (s). Returns the new velocity of each axis, rad/s.
     pub(super) fn advance(&mut self, tick: f64) -> impl Iterator<Item = f64> + '_ {
         self.time += tick;
         self.axes
@@ -50,14 +50,15 @@ impl Brake {
     }
 }
 
-/// Braking along a line in joint space: every axis follows the same profile, scaled by its velocity.
+/// Common stop of axes that move along a line in joint space: every axis follows the same profile, scaled by its
+/// velocity.
 #[derive(Clone, Copy)]
 struct BrakingLine {
     /// Initial ratio of acceleration to velocity, 1/s.
     gain: f64,
-    /// Ratio of acceleration to velocity that every axis can follow, 1/s.
+    /// Maximum ratio of acceleration to velocity that every axis can follow, 1/s.
     acceleration: f64,
-    /// Ratio of jerk to velocity that every axis can follow, 1/s².
+    /// Maximum ratio of jerk to velocity that every axis can follow, 1/s².
     jerk: f64,
 }
 
@@ -75,8 +76,8 @@ impl BrakingLine {
     }
 }
 
-/// The line in joint space on which the axes move; `None` if their accelerations are not proportional to their
-/// velocities.
+/// Returns the common stop of axes that move along a line in joint space; `None` if their accelerations are not in
+/// proportion to their velocities.
 fn braking_line<'a>(
     axes: impl Iterator<Item = (AxisState, &'a AxisLimits)> + Clone,
 ) -> Option<BrakingLine> {

@@ -4,32 +4,34 @@
 //! direction is another path, which takes over in motion. A takeover needs a few cycles, so directions that change all the
 //! time are followed in steps.
 
+use crate::device::real_at;
 use nalgebra::Vector3;
 use rpi_kin::Pose;
 use rpi_motion::path::twist::twist_speed;
 use rpi_motion::path::{Piece, ToolPath, TwistFrame, TwistPath};
 use rpi_motion::{Controls, Path};
 
-/// Direction of the present motion with a velocity.
+/// Motion of the tool in one direction, whose speed the command sets in each cycle (jogging).
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Jog {
     frame: TwistFrame,
-    /// Twist of the path, with a speed of 1; `None` while the arm holds.
+    /// Linear (m/s) and angular velocity (rad/s) of the tool at a speed of 1 along the path; `None` while the arm holds
+    /// still.
     direction: Option<Direction>,
-    /// Time at which the direction was taken, s.
+    /// Simulated time at which the arm began to move in this direction, s.
     since: f64,
 }
 
-/// Linear and angular velocity.
+/// Linear and angular velocity (m/s, rad/s) at a speed of 1 along the path.
 type Direction = [Vector3<f64>; 2];
 
-/// Time for which a direction is kept at least, s.
+/// Minimum time for which the arm moves in a direction before it takes another one, s.
 const SHORTEST: f64 = 0.05;
 
-/// Difference of a direction from the present one (m/s, rad/s, at a speed of 1) that is none.
+/// Difference of two directions (m/s, rad/s, at a speed of 1 along the path) below which they are the same.
 const SAME: f64 = 1e-6;
 
-/// Speed below which a twist is none, m/s.
+/// Speed along the path below which a requested velocity counts as zero, m/s.
 const SLOWEST: f64 = 1e-9;
 
 impl Jog {
@@ -41,14 +43,15 @@ impl Jog {
         }
     }
 
-    /// The path of this direction; `None` if the arm shall hold.
+    /// Returns the path of the tool from the pose `start` in this direction; `None` if the arm shall hold still.
     pub(super) fn path(&self, start: &Pose) -> Option<Path> {
         let [linear, angular] = self.direction?;
         let path = TwistPath::new(start, &linear, &angular, self.frame)?;
         Some(Path::Tool(ToolPath::new(Piece::Twist(path))))
     }
 
-    /// Whether a target asks for another path at a time, s.
+    /// Returns true if `target` requests a path in another direction at the simulated time `time` (s). A new direction
+    /// is taken only after a minimum time.
     pub(super) fn is_outdated(&self, target: &[u64], time: f64) -> bool {
         let Some((_, requested)) = direction_of(target) else {
             return false;
@@ -60,8 +63,8 @@ impl Jog {
         !self.direction.as_ref().is_some_and(is_same) && time - self.since >= SHORTEST
     }
 
-    /// Controls of the motion along the path: the speed is that of the target along the present direction, at most
-    /// `fastest` (m/s).
+    /// Returns the controls for the motion along the path: the speed is the part of the requested velocity along the
+    /// present direction, at most `fastest` (m/s).
     pub(super) fn controls(&self, target: &[u64], fastest: f64, controls: Controls) -> Controls {
         let speed = match (direction_of(target), &self.direction) {
             (Some((speed, requested)), Some(present)) => {
@@ -78,10 +81,10 @@ impl Jog {
     }
 }
 
-/// Speed and direction of a target: linear and angular velocity. `None` if it is zero or not finite.
+/// Returns speed along the path (m/s) and direction of a target, which is a linear and an angular velocity in slots.
+/// `None` if the velocity is zero or not finite.
 fn direction_of(target: &[u64]) -> Option<(f64, Direction)> {
-    let real = |k: usize| target.get(k).map_or(f64::NAN, |bits| f64::from_bits(*bits));
-    let [linear, angular] = [0, 3].map(|from| Vector3::from_fn(|k, _| real(from + k)));
+    let [linear, angular] = [0, 3].map(|from| Vector3::from_fn(|k, _| real_at(target, from + k)));
     let speed = twist_speed(&linear, &angular);
     let is_usable = speed >= SLOWEST && speed.is_finite();
     is_usable.then(|| (speed, [linear / speed, angular / speed]))

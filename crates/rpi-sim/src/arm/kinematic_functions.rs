@@ -4,7 +4,7 @@ use super::port_table::put_joints;
 use super::{Arm, kinematics::PerAxis};
 use crate::device::{SlotWriter, pose_from};
 
-/// Reads `count` reals from slot `from` on; `None` if there are too few.
+/// Reads `count` reals from the slots `cells`, beginning with the slot `from`; `None` if there are too few slots.
 fn reals(cells: &[u64], from: usize, count: usize) -> Option<PerAxis> {
     let part = cells.get(from..from + count)?;
     let mut all = PerAxis::default();

@@ -9,18 +9,18 @@ use nalgebra::{SMatrix, Vector6};
 use rpi_kin::model::InverseKinematics;
 use rpi_kin::{ArmModel, AxisLimits, InverseKinematicsError, MAX_AXES, Pose, jacobian};
 
-/// A value for each axis, with the length of the longest arm; unused entries are zero.
+/// One value for each axis, such as a position in rad; entries beyond the axes of the arm are zero.
 pub(super) type PerAxis = [f64; MAX_AXES];
 
-/// Kinematics of an arm with a tool, in joint positions and poses of the tool.
+/// Kinematics of an arm with its tool: joint positions and poses of the tool in the base frame.
 #[derive(Clone, Debug)]
 pub(super) struct ArmKinematics {
     model: &'static ArmModel,
     /// Pose of the tool in the flange frame.
     tool: Pose,
-    /// Number of axes.
+    /// Number of axes of the arm.
     axes: usize,
-    /// Limits of the axes, for the inverse kinematics.
+    /// Limits of the axes, of which the inverse kinematics uses the ranges.
     limits: [AxisLimits; MAX_AXES],
 }
 
@@ -39,12 +39,13 @@ impl ArmKinematics {
         }
     }
 
-    /// Forward kinematics: pose of the tool in the base frame for joint positions in rad.
+    /// Returns the pose of the tool in the base frame for joint positions in rad (forward kinematics).
     pub(super) fn forward(&self, joints: &[f64]) -> Pose {
         self.model.forward(joints) * self.tool
     }
 
-    /// Inverse kinematics: joint positions for a tool pose, near `hint`, with the arm angle of `elbow`.
+    /// Returns the joint positions (rad) for a pose of the tool in the base frame, near to `hint` (rad). A redundant
+    /// arm keeps the position of the elbow at the joint positions `elbow` (rad).
     pub(super) fn inverse(
         &self,
         pose: &Pose,
@@ -56,12 +57,14 @@ impl ArmKinematics {
             .inverse_with_elbow(&flange, hint, elbow, &self.limits[..self.axes])
     }
 
-    /// Velocity of the tool for joint positions and velocities: linear (m/s), then angular (rad/s).
+    /// Returns the velocity of the tool in the base frame for joint positions (rad) and velocities (rad/s): linear
+    /// (m/s), then angular (rad/s).
     pub(super) fn twist(&self, joints: &PerAxis, velocities: &PerAxis) -> Vector6<f64> {
         self.jacobian(joints) * SMatrix::<f64, MAX_AXES, 1>::from(*velocities)
     }
 
-    /// Acceleration of the tool for joint positions, velocities and accelerations: linear (m/s²), then angular (rad/s²).
+    /// Returns the acceleration of the tool in the base frame for joint positions, velocities and accelerations (rad,
+    /// s): linear (m/s²), then angular (rad/s²).
     pub(super) fn acceleration(
         &self,
         joints: &PerAxis,
@@ -73,12 +76,13 @@ impl ArmKinematics {
             + jacobian::velocity_product(&self.model.chain, joints, velocities, &tool)
     }
 
-    /// Limits of the axes.
+    /// Returns the limits of the axes, one entry per axis.
     pub(super) fn limits(&self) -> &[AxisLimits] {
         &self.limits[..self.axes]
     }
 
-    /// Joint torques, in N m, for a force and torque at the tool.
+    /// Returns the joint torques (N m) for a force (N) and torque (N m) at the tool, in the base frame. `joints` are
+    /// joint positions in rad.
     pub(super) fn torques(&self, joints: &PerAxis, wrench: &Vector6<f64>) -> PerAxis {
         (self.jacobian(joints).transpose() * wrench).into()
     }
@@ -88,7 +92,8 @@ impl ArmKinematics {
         jacobian::geometric(&self.model.chain, joints, &tool)
     }
 
-    /// Rate of change of the arm angle for joint positions and velocities, in rad/s; 0 for an arm without redundancy.
+    /// Returns the rate of change of the arm angle (angle of the elbow about the line from shoulder to wrist), in
+    /// rad/s, for joint positions (rad) and velocities (rad/s); 0 for an arm that is not redundant.
     pub(super) fn elbow_velocity(&self, joints: &PerAxis, velocities: &PerAxis) -> f64 {
         /// Half the interval of the central difference, in s; the error grows with its square.
         const HALF: f64 = 1e-5;
@@ -105,14 +110,14 @@ impl ArmKinematics {
 }
 
 impl Arm {
-    /// Commanded state of one axis; at rest at 0 if the axis does not exist.
+    /// Returns the commanded state of one axis, counted from 0; a state at rest at 0 if the axis does not exist.
     pub(super) fn commanded_at(&self, axis: usize) -> AxisState {
         self.axes
             .get(axis)
             .map_or(AxisState::default(), |axis| axis.commanded)
     }
 
-    /// Measured state of one axis; at rest at 0 if the axis does not exist.
+    /// Returns the measured state of one axis, counted from 0; a state at rest at 0 if the axis does not exist.
     pub(super) fn measured_at(&self, axis: usize) -> AxisState {
         self.sensing
             .history
@@ -122,7 +127,7 @@ impl Arm {
             .unwrap_or_default()
     }
 
-    /// One component of the commanded states of all axes.
+    /// Returns one component of the commanded states of all axes, such as the velocity, chosen by `part`.
     pub(super) fn commanded(&self, part: fn(&AxisState) -> f64) -> PerAxis {
         let mut all = [0.0; MAX_AXES];
         all.iter_mut()
@@ -131,12 +136,12 @@ impl Arm {
         all
     }
 
-    /// One component of the measured states of all axes.
+    /// Returns one component of the measured states of all axes, such as the velocity, chosen by `part`.
     pub(super) fn measured(&self, part: fn(&AxisState) -> f64) -> PerAxis {
         core::array::from_fn(|axis| part(&self.sensing.history.read()[axis]))
     }
 
-    /// Joint torques caused by a contact at the tool, in N m.
+    /// Returns the joint torques caused by a contact at the tool, in N m.
     pub(super) fn external_torques(&self) -> PerAxis {
         self.kinematics.torques(
             &self.measured(|state| state.position),
@@ -144,12 +149,12 @@ impl Arm {
         )
     }
 
-    /// Commanded joint positions, in rad.
+    /// Returns the commanded joint positions, in rad.
     pub fn joints(&self) -> impl Iterator<Item = f64> + '_ {
         self.axes.iter().map(|axis| axis.commanded.position)
     }
 
-    /// Commanded pose of the tool in the base frame.
+    /// Returns the commanded pose of the tool in the base frame.
     #[must_use]
     pub fn pose(&self) -> Pose {
         let joints = self.commanded(|state| state.position);

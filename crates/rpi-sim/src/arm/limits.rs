@@ -10,35 +10,37 @@ use rpi_kin::AxisLimits;
 /// Position, velocity and acceleration of an axis, in rad, rad/s and rad/s² (m instead of rad for a linear axis).
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct AxisState {
-    /// Position, rad.
+    /// Position of the axis, rad.
     pub position: f64,
-    /// Velocity, rad/s.
+    /// Velocity of the axis, rad/s.
     pub velocity: f64,
-    /// Acceleration, rad/s².
+    /// Acceleration of the axis, rad/s².
     pub acceleration: f64,
 }
 
-/// Violation of a limit by a set-point.
+/// Violation of a limit by a set-point, or another error with its values.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Violation {
-    /// Error code of the limit.
+    /// Error code of the violated limit.
     pub code: ErrorCode,
-    /// The value that violates the limit, in rad and s.
+    /// Value that violates the limit, in rad and s (m and s for a linear axis).
     pub value: f64,
-    /// The limit, in rad and s.
+    /// Violated limit, in rad and s (m and s for a linear axis).
     pub limit: f64,
 }
 
-/// Velocities below this, in rad/s, count as zero: a nanometre per millisecond at a distance of one metre.
+/// Velocity in rad/s up to which an axis counts as at rest: a nanometre per millisecond at a distance of one metre.
 const REST_VELOCITY: f64 = 1e-6;
 
-/// Tolerances for rounding errors, so that a set-point on the limit is accepted: relative for velocity, acceleration
-/// and jerk, in rad for positions.
+/// Share by which a velocity, acceleration or jerk may exceed its limit, so that rounding does not reject a set-point
+/// on the limit.
 const LIMIT_TOLERANCE: f64 = 1e-6;
+/// Angle by which a position may exceed its range, rad, so that rounding does not reject a set-point at the end of the
+/// range.
 const POSITION_TOLERANCE: f64 = 1e-9;
 
 impl Violation {
-    /// Creates a violation that has no value and no limit.
+    /// Creates the violation for an error code that has no value and no limit.
     #[must_use]
     pub const fn from_code(code: ErrorCode) -> Self {
         Self {
@@ -50,7 +52,7 @@ impl Violation {
 }
 
 impl AxisState {
-    /// Creates the state of an axis at rest.
+    /// Creates the state of an axis at rest at `position` (rad).
     #[must_use]
     pub const fn at_rest(position: f64) -> Self {
         Self {
@@ -60,7 +62,8 @@ impl AxisState {
         }
     }
 
-    /// The state after a set-point `target` (rad) that follows after `period` (s).
+    /// Returns the state after the set-point `target` (rad), which follows the previous one after `period` (s).
+    /// Velocity and acceleration are backward differences.
     #[must_use]
     pub fn after_set_point(&self, target: f64, period: f64) -> Self {
         let velocity = (target - self.position) / period;
@@ -71,14 +74,15 @@ impl AxisState {
         }
     }
 
-    /// True if the velocity is not zero.
+    /// True if the velocity of the axis is not zero, apart from rounding.
     #[must_use]
     pub fn is_moving(&self) -> bool {
         self.velocity.abs() > REST_VELOCITY
     }
 }
 
-/// Checks the set-point `target` against the limits. Returns the resulting state.
+/// Checks the set-point `target` (rad), which follows the state `before` after `period` (s), against the enforced ones
+/// among the limits. Returns the state that it leads to, or the violated limit.
 pub(super) fn check_set_point(
     before: &AxisState,
     target: f64,
@@ -121,8 +125,9 @@ pub(super) fn check_set_point(
     }
 }
 
-/// The violation of the range by a set-point. An axis outside its range may stay there or move back, but not farther out:
-/// else an arm that braked beyond its range could never be moved again.
+/// Returns the violation of the range of an axis by the set-point `target` (rad); `None` if there is none. An axis
+/// outside its range may stay where it is or move back, but not farther out: otherwise, an arm that braked beyond its
+/// range could never be moved again. `before` is the previous set-point.
 fn beyond_range(before: f64, target: f64, limits: &AxisLimits) -> Option<Violation> {
     let range = limits.position;
     let outer = range.shrunk(-POSITION_TOLERANCE);

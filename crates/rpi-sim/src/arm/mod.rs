@@ -7,6 +7,7 @@
 mod axes_motion;
 mod axis;
 mod brake;
+pub(crate) mod external;
 mod faults;
 mod jog;
 mod kinematic_functions;
@@ -23,6 +24,7 @@ mod sample;
 mod sensing;
 mod simulate;
 mod tool_path;
+mod watchdog;
 
 use crate::cell::{ArmSpec, EnforcedLimits};
 use crate::error_code::ErrorCode;
@@ -38,29 +40,33 @@ use report_log::ReportLog;
 use rpi_kin::Pose;
 use sensing::Sensing;
 
-/// An arm of a simulated cell.
+/// Robot arm of a simulated cell.
 #[derive(Clone, Debug)]
 pub struct Arm {
     kinematics: ArmKinematics,
     axes: Vec<Axis>,
-    /// Motion along a path, planned by the arm.
+    /// Motions that the arm plans itself, along paths or of its axes.
     motion: Box<Motion>,
     enforced: EnforcedLimits,
-    /// Length of a tick, in s.
+    /// Duration of a tick, in s.
     tick: f64,
-    /// Simulated time, in s.
+    /// Simulated time since the start of the cell, in s.
     time: f64,
-    /// Ticks between set-points.
+    /// Number of ticks between two set-points of the running command.
     set_point_ticks: u32,
-    /// Ticks until the drives reach their commanded positions.
+    /// Number of ticks until the drives reach the commanded positions.
     ticks_left: u32,
-    /// The stop in progress, while the arm brakes on its own.
+    /// Number of successive periods without set-points so far, while the arm bridges them.
+    missed_periods: u32,
+    /// Number of successive periods without set-points after which the arm brakes.
+    watchdog_periods: u32,
+    /// Stop in progress while the arm brakes on its own; `None` while it follows set-points or rests.
     brake: Option<Brake>,
-    /// A stop was requested in this tick.
+    /// True if a stop was requested in this tick.
     stop_requested: bool,
-    /// Error code of the arm as a whole.
+    /// Error code of the arm as a whole; 0 for none.
     code: ErrorCode,
-    /// Error code of the last pose set-point.
+    /// Error code of the last set-point that was a pose of the tool; 0 if it was accepted.
     pose_code: ErrorCode,
     faults: FaultState,
     sensing: Sensing,
@@ -69,7 +75,8 @@ pub struct Arm {
 }
 
 impl Arm {
-    /// An arm at rest. `tick` is the tick in s; `device` is its index in the cell, which selects its noise.
+    /// Creates an arm at rest. `tick` is the duration of a tick in s. `seed` and `device`, the index of the arm in the
+    /// cell, determine its noise.
     #[must_use]
     pub fn new(spec: &ArmSpec, tick: f64, seed: u64, device: usize) -> Self {
         let axes: Vec<Axis> = spec
@@ -92,6 +99,8 @@ impl Arm {
             time: 0.0,
             set_point_ticks: 1,
             ticks_left: 0,
+            missed_periods: 0,
+            watchdog_periods: spec.watchdog,
             brake: None,
             stop_requested: false,
             code: ErrorCode::OK,
@@ -107,25 +116,25 @@ impl Arm {
         arm
     }
 
-    /// Schedules a fault. Allocates, so not for the cycle.
+    /// Schedules a simulated fault. Allocates, so not for the cycle.
     pub fn inject(&mut self, fault: ScheduledFault) {
         self.faults.inject(fault, self.time);
         self.sensing.reserve(self.faults.largest_delay());
     }
 
-    /// Forward kinematics: pose of the tool in the base frame for joint positions in rad.
+    /// Returns the pose of the tool in the base frame for joint positions in rad (forward kinematics).
     #[must_use]
     pub fn forward(&self, joints: &[f64]) -> Pose {
         self.kinematics.forward(joints)
     }
 
-    /// Number of axes.
+    /// Returns the number of axes of the arm.
     #[must_use]
     pub fn axes(&self) -> usize {
         self.axes.len()
     }
 
-    /// Error code of the arm as a whole, or of the first axis with an error.
+    /// Returns the error code of the arm as a whole, or else of the first axis with an error; 0 for none.
     #[must_use]
     pub fn code(&self) -> ErrorCode {
         let axes = self.axes.iter().map(|axis| axis.code);
@@ -136,7 +145,7 @@ impl Arm {
     }
 }
 
-/// Descriptions of an arm's ports, for the manual.
+/// Returns the descriptions of the ports of an arm, for the manual.
 pub(crate) fn ports() -> impl Iterator<Item = crate::device::PortInfo> {
     port_table::PORTS.iter().map(|line| line.spec.info())
 }

@@ -21,75 +21,75 @@ use rpi_motion::path::TwistFrame;
 use rpi_motion::stop_margin::stopping_distances;
 use rpi_motion::{Controls, JointState, MotionCore, MotionError, Path, SetPoint};
 
-/// Kind of a path that a motion function follows.
+/// Kind of the path along which a motion function moves the arm.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum PathKind {
-    /// A path of the tool.
+    /// Path of the tool in space.
     Tool(ToolPathKind),
-    /// A straight line in joint space.
+    /// Straight line in joint space.
     Joints,
 }
 
-/// Kind of a motion that a motion function makes.
+/// Kind of the motion that a motion function of the arm makes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum MotionKind {
-    /// A motion along a path.
+    /// Motion along a path.
     Path(PathKind),
-    /// A motion of the axes without a path.
+    /// Motion of the axes without a path.
     Axes(AxesMotionKind),
-    /// A motion of the tool with a velocity, in a frame.
+    /// Motion of the tool with a linear and angular velocity that are given in this frame.
     Jog(TwistFrame),
 }
 
-/// Shortest way (m, or rad) of a motion along a path; a shorter one only holds its end.
+/// Minimum length (m, or rad) of a motion along a path. For a shorter path, the arm only holds its end.
 pub(super) const SHORTEST_WAY: f64 = 1e-7;
 
-/// Distance (m) from the place where a motion with a velocity cannot go on at which it has come there: candidate plans that end
-/// still nearer may all be refused.
+/// Distance (m) from the end of the path that can be followed at which a motion with a velocity counts as having
+/// reached this end: plans that come still nearer may all be rejected.
 const NEAR_GOAL: f64 = 1e-3;
 
-/// Number of periods after its computation for which a set-point counts as the arm's present one.
+/// Number of periods after its computation up to which a set-point counts as the present one of the arm.
 const PRESENT_PERIODS: f64 = 2.5;
 
-/// The motion core of an arm, and its present motion.
+/// Planner of the motions of an arm, and its present motion.
 #[derive(Clone, Debug)]
 pub(super) struct Motion {
     core: MotionCore,
-    /// The present motion, if it has no path.
+    /// Present motion of the axes without a path; inactive if the present motion has a path.
     axes: AxesMotion,
-    /// The present motion, if it is one of the tool with a velocity.
+    /// Present motion of the tool with a velocity; `None` if the present motion is of another kind.
     jog: Option<Jog>,
     arm: rpi_motion::Arm,
-    /// Number of the present motion, from 1; 0 before the first one.
+    /// Number by which a command refers to the present motion, from 1; 0 before the first motion.
     number: i64,
     /// Simulated time at which the last set-point was computed, s.
     computed: f64,
-    /// Limits of the tool: motions along paths of the tool are not faster.
+    /// Maximum speed, acceleration and jerk of the tool for motions along paths of the tool (m, s).
     tool_limits: Bounds,
-    /// Period of the set-points of the motion, s.
+    /// Period of the set-points of the present motion, s.
     period: f64,
     /// Period of the last set-points that the arm accepted, s.
     accepted_period: f64,
-    /// The last two set-points, the newest first.
+    /// Joint positions (rad) of the last two set-points, the newest first.
     last: [PerAxis; 2],
-    /// Length of the path, m, or rad on a joint line.
+    /// Distance that the tool travels along the path, m; on a joint line, that of the farthest moving axis, rad.
     way: f64,
-    /// Error for which the motion cannot be made and comes to rest; `None` if it can.
+    /// Error because of which the motion is not possible and the arm comes to rest; `None` without an error.
     rejected: Option<ErrorCode>,
-    /// Error that the program sees; it is set once the arm is at rest.
+    /// Error code that the command sees, set once the arm is at rest; 0 for none.
     error: ErrorCode,
-    /// Whether the last set-point was the end of the motion.
+    /// True if the last set-point was the end of the motion.
     at_end: bool,
-    /// Stop of the arm on its own, on the path of the motion; `None` while it follows set-points.
+    /// Stop of the arm on its own along the path of the motion; `None` while it follows set-points.
     brake: Option<PathBrake>,
 }
 
-/// A stop of the arm on the path of its motion.
+/// Stop of an arm on its own along the path of its motion.
 #[derive(Clone, Copy, Debug)]
 struct PathBrake {
     /// Time since the newest set-point of the motion, s.
     elapsed: f64,
-    /// Number of ticks for which the arm has been at rest.
+    /// Number of successive ticks for which the arm has been at rest.
     rested: u32,
 }
 
@@ -121,33 +121,51 @@ impl Motion {
         }
     }
 
-    /// Greatest speed (m/s), acceleration (m/s²) and jerk (m/s³) of the tool in motions along its paths.
+    /// Returns the maximum speed (m/s), acceleration (m/s²) and jerk (m/s³) of the tool in motions along paths of the
+    /// tool.
     pub(super) fn tool_limits(&self) -> Bounds {
         self.tool_limits
     }
 
-    /// Error of the present motion.
+    /// Returns the error code of the present motion; 0 for none.
     pub(super) fn error(&self) -> ErrorCode {
         self.error
     }
 
-    /// Forgets the error of the last motion: another command begins.
+    /// Clears the error code of the last motion, because another command begins.
     pub(super) fn clear_error(&mut self) {
         self.error = ErrorCode::OK;
     }
 
-    /// Records the period, s, of the set-points that the arm has accepted.
+    /// Records the period (s) of the set-points that the arm has accepted.
     pub(super) fn set_accepted_period(&mut self, period: f64) {
         self.accepted_period = period;
     }
 
-    /// Returns whether the next set-point of the motion is due at a time, s, so that no cycle was left out.
+    /// Returns true if the next set-point of the motion is due at the simulated time `time` (s), so that no cycle was
+    /// left out.
     fn is_due(&self, time: f64) -> bool {
         let due = self.computed + self.period;
         self.number > 0 && (time - due).abs() < self.period / 2.0
     }
 
-    /// Begins to brake on the path if the arm, at `commanded` at a time (s), follows this motion.
+    /// Returns the exact state of the arm at the joint positions `commanded` (rad), if it follows this motion
+    /// (`followed`) or brakes along its path; `None` otherwise.
+    fn state(&self, followed: bool, commanded: &PerAxis) -> Option<JointState> {
+        let elapsed = match self.brake {
+            Some(brake) => brake.elapsed,
+            None if followed => 0.0,
+            None => return None,
+        };
+        let state = match self.axes.is_present() {
+            true => self.axes.stopping(elapsed),
+            false => self.core.braking_state(elapsed),
+        };
+        same_joints(&state.position, commanded).then_some(state)
+    }
+
+    /// Begins to brake along the path if the arm, with the commanded joint positions `commanded` (rad), follows this
+    /// motion at the simulated time `time` (s).
     pub(super) fn begin_braking(&mut self, commanded: &PerAxis, time: f64) {
         let recent = self.number > 0 && time - self.computed < PRESENT_PERIODS * self.period;
         let elapsed = match self
@@ -164,8 +182,8 @@ impl Motion {
             .map(|elapsed| PathBrake { elapsed, rested: 0 });
     }
 
-    /// Advances the time of braking by a tick (s). Returns the positions of the axes; `None` if the arm does not brake
-    /// on a path.
+    /// Advances the time of braking by `tick` (s). Returns the joint positions (rad); `None` if the arm does not brake
+    /// along a path.
     pub(super) fn advance_brake(&mut self, tick: f64) -> Option<PerAxis> {
         let brake = self.brake.as_mut()?;
         brake.elapsed += tick;
@@ -179,8 +197,8 @@ impl Motion {
         Some(at.joints)
     }
 
-    /// True if the arm has been at rest for two ticks after braking on a path: only then are the first and second
-    /// differences of its positions zero.
+    /// True if the arm has been at rest for more than two ticks after braking along a path. Only then are the first and
+    /// second differences of its positions zero.
     pub(super) fn brake_is_finished(&self) -> bool {
         self.brake.is_some_and(|brake| brake.rested > 2)
     }
@@ -189,8 +207,9 @@ impl Motion {
         self.brake = None;
     }
 
-    /// Begins a motion from the state of the arm. If it cannot be made, prepares to come to rest and returns the
-    /// reason.
+    /// Begins a motion from the state `state` of the arm at the simulated time `time` (s). `followed` is true if the
+    /// arm follows the previous motion. If the motion is not possible, the arm comes to rest, and the reason is
+    /// returned.
     fn begin(
         &mut self,
         kind: MotionKind,
@@ -277,7 +296,8 @@ impl Motion {
         self.follow(path, &from, request, state)
     }
 
-    /// Begins to follow a path whose start has the joints `from`.
+    /// Begins to follow a path from the state `state` of the arm. `from` are the joint positions (rad) at the start of
+    /// the path.
     fn follow(
         &mut self,
         path: Path,
@@ -305,7 +325,7 @@ impl Motion {
         })
     }
 
-    /// Holds the end of a path that has no length.
+    /// Makes the arm hold the end of a path that has no length.
     fn hold_end(&mut self, path: &Path, state: &JointState) -> Result<(), PathFault> {
         let end = match path {
             Path::Joints(line) => line.joints(line.length()),
@@ -326,7 +346,7 @@ impl Motion {
         PathFault::new(error, path, self.arm.limits())
     }
 
-    /// Stops each axis on its own, as soon as its limits allow.
+    /// Stops each axis on its own, as fast as its limits allow.
     fn hold(&mut self, state: &JointState) {
         let mut at = state.position;
         for (axis, limits) in self.arm.limits().iter().enumerate() {
@@ -357,7 +377,7 @@ impl Motion {
         Some(at)
     }
 
-    /// Share of the way that has been covered, and speed along it.
+    /// Returns the share of the path that has been travelled (0 to 1), and the speed along it (m/s, or rad/s).
     fn progress(&self, at: &SetPoint) -> (f64, f64) {
         let (length, speed) = match self.axes.is_present() {
             true => (self.way, at.path.velocity),
@@ -373,7 +393,8 @@ impl Motion {
         }
     }
 
-    /// Checks whether the motion can go on to its end. Returns an error that was not reported before.
+    /// Checks whether the motion can continue to its end. Returns an error that was not reported before; `None` if
+    /// there is none.
     fn check(&mut self, at: &SetPoint) -> Option<PathFault> {
         if self.rejected.is_some() {
             return None;
@@ -391,7 +412,7 @@ impl Motion {
     }
 }
 
-/// Returns the lower one of each of two bounds.
+/// Returns, for speed, acceleration and jerk, the lower one of two bounds.
 fn least(one: Bounds, other: Bounds) -> Bounds {
     Bounds {
         speed: one.speed.min(other.speed),
@@ -400,14 +421,14 @@ fn least(one: Bounds, other: Bounds) -> Bounds {
     }
 }
 
-/// Whether the arm rests: on its path, and without a residual.
+/// Returns true if the arm rests on its path, without a remaining difference from it.
 fn rests(at: &SetPoint) -> bool {
     at.on_path && at.path.velocity == 0.0 && at.path.acceleration == 0.0
 }
 
-/// Returns whether two joint positions are the same set-point.
+/// Returns true if two sets of joint positions (rad) are equal, apart from rounding.
 fn same_joints(one: &PerAxis, other: &PerAxis) -> bool {
-    /// Difference by which a pose and its inverse may differ, rad.
+    /// Difference of an axis below which joint positions are equal: the rounding of the inverse kinematics, rad.
     const ROUNDING: f64 = 1e-9;
     let mut axes = one.iter().zip(other);
     axes.all(|(one, other)| (one - other).abs() < ROUNDING)

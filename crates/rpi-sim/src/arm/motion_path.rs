@@ -7,10 +7,10 @@ use super::tool_path::tool_path;
 use crate::error_code::ErrorCode;
 use rpi_motion::{Arm, JointState, Path, path_start, scan_path};
 
-/// Returns the path to the target of a request, and the joints at its start: where the arm can stop, so that it need not
-/// swing back. A path that is impossible from there begins at the present position.
+/// Returns the path to the target of a request, and the joint positions (rad) at its start: where the arm can stop, so
+/// that it need not swing back. If the path is not possible from there, it begins at the present position.
 ///
-/// The path has been looked at ([`scan_path`]).
+/// [`scan_path`] has checked the path.
 pub(super) fn path_from_stop(
     arm: &Arm,
     kind: PathKind,
@@ -31,7 +31,7 @@ pub(super) fn path_from_stop(
     }
 }
 
-/// Returns the path of a kind from joints to the target of a request.
+/// Returns the path of this kind from the joint positions `from` (rad) to the target, given as slots.
 fn path(arm: &Arm, kind: PathKind, from: &PerAxis, target: &[u64]) -> Result<Path, ErrorCode> {
     let path = match kind {
         PathKind::Tool(kind) => tool_path(kind, &arm.forward(from), target)?,

@@ -3,15 +3,18 @@
 use super::port_table::Parameter;
 use rpi_kin::MAX_AXES;
 
-/// Number of stored parameter values: tool, impedance and sine at the tool, and the impedance of each joint.
+/// Number of stored parameters: tool load, impedance and sinusoidal force at the tool, and the impedance of each joint.
 const PARAMETERS: usize = 3 + MAX_AXES;
+/// Maximum number of reals of a parameter.
 const LARGEST_PARAMETER: usize = 18;
 
-/// Position control in the numbering of the KUKA LWR; 20 and 30 are Cartesian and joint impedance.
+/// Number of the control strategy "position control" in the numbering of the KUKA LWR. 20 and 30 are Cartesian and
+/// joint impedance.
 const POSITION_CONTROL: i64 = 10;
 
-/// Indices of the numbers of [`Arm::load`] in a value of `tool_and_tcp`: mass, centre of mass as a pose, moments of
-/// inertia, tool centre point as a pose. Only the positions of the poses are used.
+/// Positions, in a value of the port `tool_and_tcp`, of the ten numbers of [`Arm::load`]. The value consists of mass,
+/// centre of mass as a pose, moments of inertia, and tool centre point as a pose; of the poses, only the positions are
+/// used.
 const LOAD_INDICES: [usize; 10] = [0, 1, 2, 3, 8, 9, 10, 11, 12, 13];
 
 /// Latest values of the parameters that programs set, such as the tool load. They have no effect on the simulated
@@ -19,7 +22,8 @@ const LOAD_INDICES: [usize; 10] = [0, 1, 2, 3, 8, 9, 10, 11, 12, 13];
 #[derive(Clone, Debug)]
 pub(super) struct Parameters {
     values: [[f64; LARGEST_PARAMETER]; PARAMETERS],
-    /// The requested control strategy.
+    /// Control strategy that the command requested: 10 for position control, 20 for Cartesian impedance, 30 for joint
+    /// impedance.
     pub(super) strategy: i64,
 }
 
@@ -31,7 +35,7 @@ impl Parameters {
         }
     }
 
-    /// Stores a value of a parameter, that of the axis `index` if each axis has its own.
+    /// Stores the value of a parameter, given as slots. `index` is the axis if each axis has its own value.
     pub(super) fn store(&mut self, parameter: Parameter, index: usize, value: &[u64]) {
         if let Parameter::Strategy = parameter {
             self.strategy = value
@@ -51,13 +55,13 @@ impl Parameters {
         }
     }
 
-    /// The tool load; see [`super::Arm::load`].
+    /// Returns the tool load that was requested last; see [`super::Arm::load`].
     pub(super) fn load(&self) -> &[f64] {
         &self.values[resource_index(Parameter::Tool, 0)][..10]
     }
 }
 
-/// True if an arm accepts a parameter: finite numbers, no negative mass, a known control strategy.
+/// True if an arm accepts this value of a parameter: finite numbers, no negative mass, a known control strategy.
 pub(super) fn accepts(parameter: Parameter, value: &[u64]) -> bool {
     let first = value.first().copied().unwrap_or_default();
     let finite = value.iter().all(|bits| f64::from_bits(*bits).is_finite());
@@ -68,7 +72,7 @@ pub(super) fn accepts(parameter: Parameter, value: &[u64]) -> bool {
     }
 }
 
-/// Index of a parameter's values; also its resource number after those of the axes.
+/// Returns the index of a parameter among the stored ones; also its resource number, counted after those of the axes.
 pub(super) fn resource_index(parameter: Parameter, index: usize) -> usize {
     match parameter {
         Parameter::Tool | Parameter::ToolAndTcp => 0,

@@ -6,8 +6,8 @@ use crate::error_code::ErrorCode;
 use rpi_kin::{AxisLimits, InverseKinematicsError};
 use rpi_motion::{Path, PathError, PathErrorKind};
 
-/// Error: a motion cannot be made; with the axis that it concerns. On a path of the tool the value is the place and the
-/// limit the length, in m.
+/// Error: a motion of the arm is not possible; with the axis concerned, if any. For a path of the tool, the value of
+/// the violation is the place on the path, and its limit the length of the path, both in m.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct PathFault {
     pub(super) axis: Option<usize>,
@@ -15,7 +15,7 @@ pub(super) struct PathFault {
 }
 
 impl PathFault {
-    /// The fault of a path that an arm with these limits cannot follow.
+    /// Creates the error for a path that an arm with these limits cannot follow.
     pub(super) fn new(error: &PathError, path: &Path, limits: &[AxisLimits]) -> Self {
         let at = |axis, code| Self {
             axis,
@@ -56,7 +56,7 @@ impl From<InverseKinematicsError> for PathFault {
     }
 }
 
-/// Creates the error for a target that lies outside the range of an axis.
+/// Creates the error for the target `value` (rad) of an axis that lies outside its range.
 pub(super) fn out_of_range(axis: usize, value: f64, limits: &[AxisLimits]) -> PathFault {
     let range = limits.get(axis).map(|limits| limits.position);
     let limit = range.map_or(0.0, |range| {

@@ -3,9 +3,11 @@
 use super::limits::{AxisState, Violation};
 use super::port_table::{PORTS, PortAction, PortRow, Target};
 use super::{Arm, parameters};
+use crate::bank::CellDevice;
 use crate::cell::EnforcedLimits;
 use crate::device::{
-    Device, PortIndex, Report, SlotWriter, find_port, is_in_row, pose_from, split_numbered_name,
+    Device, PortIndex, Report, SlotWriter, find_port, is_in_row, pose_from, real_at,
+    split_numbered_name,
 };
 use crate::error_code::ErrorCode;
 use crate::fault::ScheduledFault;
@@ -14,8 +16,8 @@ use rpi_device::{Discontinuity, PortQuery, Quantity, Rejection, ResolveError};
 use rpi_kin::{InverseKinematicsError, MAX_AXES};
 
 impl Arm {
-    /// Checks a set-point of one axis or of all. Returns the resulting states, `None` for axes that it does not set;
-    /// the error names the axis.
+    /// Checks a set-point, given as slots, for one axis (`index`), for all axes or for the tool. Returns the states of
+    /// the axes that it leads to; the error names the axis, `None` for the whole arm.
     fn check_set_point(
         &self,
         target: Target,
@@ -30,10 +32,11 @@ impl Arm {
             staged[axis] = Some(judged.map_err(|violation| (Some(axis), violation))?);
             Ok(())
         };
-        let real = |at: usize| value.get(at).map_or(f64::NAN, |bits| f64::from_bits(*bits));
         match target {
-            Target::Joint => stage(index, real(0))?,
-            Target::Joints => (0..self.axes()).try_for_each(|axis| stage(axis, real(axis)))?,
+            Target::Joint => stage(index, real_at(value, 0))?,
+            Target::Joints => {
+                (0..self.axes()).try_for_each(|axis| stage(axis, real_at(value, axis)))?
+            }
             Target::Tool => {
                 let joints = self.commanded(|state| state.position);
                 let near = &joints[..self.axes()];
@@ -73,7 +76,7 @@ impl Arm {
         }
     }
 
-    /// True if the arm brakes as a whole and has reported this for one of the axes in `staged`.
+    /// True if the arm brakes as a whole and has reported this for one of the axes that `staged` would set.
     fn is_rejected_by_brake(&self, staged: &StagedStates) -> bool {
         let mut axes = self.axes.iter().zip(staged);
         self.brake.is_some() && axes.any(|(axis, s)| s.is_some() && axis.code == ErrorCode::BRAKING)
@@ -85,7 +88,7 @@ impl Arm {
             .is_some_and(|axis| axis.code.is_failure())
     }
 
-    /// Clears the errors of rejected set-points on these axes.
+    /// Clears the error codes of rejected set-points, for the axes that `staged` sets.
     fn clear_rejections(&mut self, staged: &StagedStates) {
         self.pose_code = ErrorCode::OK;
         let axes = self.axes.iter_mut().zip(staged);
@@ -93,7 +96,7 @@ impl Arm {
         set.for_each(|(axis, _)| axis.clear_rejection());
     }
 
-    /// Error code of the arm as a whole, or of the axis.
+    /// Returns the error code of the arm as a whole, or else of the axis, counted from 0; 0 for none.
     pub(super) fn axis_code(&self, axis: usize) -> ErrorCode {
         if self.code == ErrorCode::OK {
             self.axes.get(axis).map_or(ErrorCode::OK, |axis| axis.code)
@@ -102,27 +105,30 @@ impl Arm {
         }
     }
 
-    /// Error code of the arm, of one of its axes, or of the last pose set-point.
+    /// Returns the error code of the arm or one of its axes, of the last pose set-point, or of the present motion; 0
+    /// for none.
     pub(super) fn any_code(&self) -> ErrorCode {
         let codes = [self.code(), self.pose_code, self.motion.error()];
         let first = codes.into_iter().find(|code| *code != ErrorCode::OK);
         first.unwrap_or(ErrorCode::OK)
     }
 
-    /// The requested control strategy: 10 position, 20 Cartesian impedance, 30 joint impedance.
+    /// Returns the requested control strategy: 10 for position control, 20 for Cartesian impedance, 30 for joint
+    /// impedance.
     #[must_use]
     pub fn strategy(&self) -> i64 {
         self.parameters.strategy
     }
 
-    /// The requested tool load: mass (kg), centre of mass (m), moments of inertia (kg m²), tool centre point (m).
+    /// Returns the requested tool load: mass (kg), centre of mass (m), moments of inertia (kg m²), tool centre point
+    /// (m); ten numbers.
     #[must_use]
     pub fn load(&self) -> &[f64] {
         self.parameters.load()
     }
 }
 
-/// The row of a port in the port table.
+/// Returns the row of the port table of an arm for this port; `None` if there is no such row.
 fn port_row(slot: PortIndex) -> Option<&'static PortRow> {
     PORTS.get(usize::from(slot.row))
 }
@@ -130,7 +136,7 @@ fn port_row(slot: PortIndex) -> Option<&'static PortRow> {
 /// State of each axis after a set-point; `None` for an axis that the set-point does not set.
 type StagedStates = [Option<AxisState>; MAX_AXES];
 
-/// Limits for the continuity check at a takeover. Jerk is excluded: it would need a third earlier set-point.
+/// Limits for the check of continuity at a takeover. Jerk is excluded, because it would need a third earlier set-point.
 const CONTINUITY_LIMITS: EnforcedLimits = EnforcedLimits {
     position: true,
     velocity: true,
@@ -172,7 +178,7 @@ impl Device for Arm {
         is_in_row(port_row(slot).map(|line| &line.spec), slot, |_| self.axes())
     }
 
-    fn resources_of(&self, slot: PortIndex) -> Range<u32> {
+    fn resources(&self, slot: PortIndex) -> Range<u32> {
         let index = usize::from(slot.index);
         let range = match port_row(slot).map(|line| &line.action) {
             Some(PortAction::Move(Target::Joint)) => index..index + 1,
@@ -207,7 +213,7 @@ impl Device for Arm {
         }
     }
 
-    fn jump(&self, slot: PortIndex, value: &[u64]) -> Option<Discontinuity> {
+    fn discontinuity(&self, slot: PortIndex, value: &[u64]) -> Option<Discontinuity> {
         let Some(PortAction::Move(target)) = port_row(slot).map(|line| &line.action) else {
             return None;
         };
@@ -222,13 +228,12 @@ impl Device for Arm {
         })
     }
 
-    fn error(&self, slot: PortIndex) -> i64 {
-        let code = match port_row(slot).map(|line| &line.action) {
+    fn port_code(&self, slot: PortIndex) -> ErrorCode {
+        match port_row(slot).map(|line| &line.action) {
             Some(PortAction::Move(Target::Joint)) => self.axis_code(usize::from(slot.index)),
             Some(PortAction::Move(_)) => self.any_code(),
             _ => self.code,
-        };
-        code.0
+        }
     }
 
     fn write(&mut self, slot: PortIndex, value: &[u64]) {
@@ -265,7 +270,7 @@ impl Device for Arm {
         }
     }
 
-    fn moving(&self, resource: u32) -> bool {
+    fn is_moving(&self, resource: u32) -> bool {
         (resource as usize) < self.axes() && self.is_moving()
     }
 
@@ -273,7 +278,7 @@ impl Device for Arm {
         self.stop_requested |= (resource as usize) < self.axes();
     }
 
-    fn begin(&mut self, resource: u32, ticks: u32) {
+    fn begin_command(&mut self, resource: u32, ticks: u32) {
         if let Some(axis) = self.axes.get_mut(resource as usize) {
             axis.clear_rejection();
             self.pose_code = ErrorCode::OK;
@@ -286,16 +291,18 @@ impl Device for Arm {
         Self::step(self, time);
     }
 
-    fn inject(&mut self, fault: ScheduledFault) -> bool {
-        Self::inject(self, fault);
-        true
-    }
-
     fn code(&self) -> ErrorCode {
         self.any_code()
     }
 
     fn reports(&mut self, each: &mut dyn FnMut(Report)) -> u64 {
         self.reports.drain(each)
+    }
+}
+
+impl CellDevice for Arm {
+    fn inject(&mut self, fault: ScheduledFault) -> bool {
+        Self::inject(self, fault);
+        true
     }
 }

@@ -22,28 +22,29 @@ pub(super) struct PortRow {
     pub(super) action: PortAction,
 }
 
-/// What the arm does at a port: which value it measures, accepts or computes.
+/// Action of the arm at a port: the value that it measures, accepts or computes.
 pub(super) enum PortAction {
-    /// The port is a sensor: the function writes its value; the index selects the axis if the port is indexed.
+    /// The port is a sensor. The function writes its value to the slots; the number is the axis if the port is indexed.
     Sense(fn(&Arm, usize, &mut SlotWriter<'_>)),
-    /// The port is an actuator that moves axes.
+    /// The port is an actuator that moves this part of the arm.
     Move(Target),
-    /// The port is an actuator that sets a parameter; its index selects among several.
+    /// The port is an actuator that sets this parameter of the arm.
     Parameter(Parameter),
-    /// The port is a function: it computes a result from arguments; false if there is no result.
+    /// The port is a function: it computes a result from arguments, both given as slots. It returns false if there is
+    /// no result.
     Call(fn(&Arm, &[u64], &mut SlotWriter<'_>) -> bool),
-    /// The port is a function that plans a motion, cycle by cycle.
+    /// The port is a function that plans a motion of this kind, called in each cycle.
     Plan(MotionKind),
 }
 
-/// What a set-point of an arm moves.
+/// Part of an arm that a set-point moves.
 #[derive(Clone, Copy, PartialEq, Eq)]
 pub(super) enum Target {
-    /// The set-point moves one axis.
+    /// The set-point moves one axis, chosen by the index of the port.
     Joint,
     /// The set-point moves all axes.
     Joints,
-    /// The set-point moves the tool, in Cartesian space.
+    /// The set-point is a pose of the tool, to which the axes move.
     Tool,
 }
 
@@ -51,7 +52,7 @@ pub(super) enum Target {
 #[derive(Clone, Copy, PartialEq, Eq)]
 pub(super) enum Parameter {
     Tool,
-    /// Tool load with the centre of mass and the tool centre point given as poses.
+    /// Tool load in which the centre of mass and the tool centre point are given as poses.
     ToolAndTcp,
     Strategy,
     JointImpedance,
@@ -152,7 +153,7 @@ const INT: PortValue = PortValue::One(Int);
 const BOOL: PortValue = PortValue::One(Bool);
 const JOINTS: PortValue = PortValue::PerAxis;
 
-/// Port table of an arm: all its ports.
+/// Table of all ports of an arm.
 pub(super) const PORTS: &[PortRow] = &[
     axis_sensor("joint.commanded_position", REAL, |arm, axis, out| {
         out.put_real(arm.commanded_at(axis).position)
@@ -279,6 +280,19 @@ pub(super) const PORTS: &[PortRow] = &[
     // Ports of the device type `Arm` of `.rpi`.
     actuator("tcp", POSE, false, PortAction::Move(Target::Tool)),
     actuator("joints", JOINTS, false, PortAction::Move(Target::Joints)),
+    // Ports of the device types `LinearUnit` and `Positioner`: an axis or several.
+    actuator("axes", JOINTS, false, PortAction::Move(Target::Joints)),
+    actuator("axes", REAL, true, PortAction::Move(Target::Joint)),
+    actuator("axis", REAL, true, PortAction::Move(Target::Joint)),
+    axis_sensor("axis_position", REAL, |arm, axis, out| {
+        out.put_real(arm.measured(|s| s.position)[axis])
+    }),
+    axis_sensor("axis_velocity", REAL, |arm, axis, out| {
+        out.put_real(arm.measured(|s| s.velocity)[axis])
+    }),
+    axis_sensor("axis_commanded", REAL, |arm, axis, out| {
+        out.put_real(arm.commanded_at(axis).position)
+    }),
     // Programs access arrays element by element.
     actuator("joints", REAL, true, PortAction::Move(Target::Joint)),
     axis_sensor("joints", REAL, |arm, axis, out| {

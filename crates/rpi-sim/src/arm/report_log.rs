@@ -2,10 +2,10 @@
 
 use crate::device::Report;
 
-/// Number of reports that the log can hold.
+/// Maximum number of reports in the log.
 const CAPACITY: usize = 64;
 
-/// Bounded log of reports. It keeps the oldest ones and counts those that do not fit.
+/// Bounded log of the reports of an arm. If it is full, new reports are counted and lost.
 #[derive(Clone, Debug)]
 pub(super) struct ReportLog {
     pending: Vec<Report>,
@@ -28,7 +28,8 @@ impl ReportLog {
         self.pending.push(report);
     }
 
-    /// Passes all reports to `each` and returns the number of lost ones since the last call.
+    /// Passes all reports in the log to `each` and removes them. Returns the number of reports lost since the last
+    /// call.
     pub(super) fn drain(&mut self, each: &mut dyn FnMut(Report)) -> u64 {
         self.pending.drain(..).for_each(each);
         core::mem::take(&mut self.lost)

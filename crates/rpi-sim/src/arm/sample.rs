@@ -3,23 +3,23 @@
 use super::limits::AxisState;
 use rpi_kin::MAX_AXES;
 
-/// The measured states of all axes at one tick.
+/// Measured states of all axes in one tick.
 pub(super) type Sample = [AxisState; MAX_AXES];
 
-/// Ring buffer of the latest samples of an arm, from which delayed ones are read.
+/// Ring buffer of the latest samples of an arm, from which sensors read delayed samples.
 #[derive(Clone, Debug)]
 pub(super) struct History {
     ring: Vec<Sample>,
     newest: usize,
-    /// Age of the current sample, in ticks.
+    /// Age of the sample that sensors read, in ticks.
     age: usize,
 }
 
-/// Maximum age of a sample, in ticks.
+/// Maximum latency of a sample, in ticks; it bounds the memory.
 const OLDEST: usize = 100_000;
 
 impl History {
-    /// A history filled with copies of one sample, for ages up to `oldest` ticks.
+    /// Creates a history filled with copies of `sample`, for latencies of up to `oldest` ticks.
     pub(super) fn new(sample: Sample, oldest: usize) -> Self {
         Self {
             ring: vec![sample; oldest.min(OLDEST) + 1],
@@ -28,19 +28,19 @@ impl History {
         }
     }
 
-    /// Adds a sample. The current sample becomes the one that is `age` ticks older, or the oldest available.
+    /// Adds a new sample. Sensors then read the sample that is `age` ticks older, or the oldest available one.
     pub(super) fn add(&mut self, sample: Sample, age: usize) {
         self.newest = (self.newest + 1) % self.ring.len();
         self.ring[self.newest] = sample;
         self.age = age.min(self.ring.len() - 1);
     }
 
-    /// The current sample.
+    /// Returns the sample that sensors read now.
     pub(super) fn read(&self) -> &Sample {
         &self.ring[(self.newest + self.ring.len() - self.age) % self.ring.len()]
     }
 
-    /// Extends the buffer to ages up to `oldest` ticks; new entries are copies of the oldest sample.
+    /// Extends the buffer for latencies of up to `oldest` ticks. The new entries are copies of the oldest sample.
     pub(super) fn reserve(&mut self, oldest: usize) {
         let wanted = oldest.min(OLDEST) + 1;
         if wanted > self.ring.len() {

@@ -5,20 +5,24 @@ use super::axis::Axis;
 use super::sample::{History, Sample};
 use crate::cell::ArmSpec;
 use crate::noise::Noise;
+use rpi_kin::MAX_AXES;
 
-/// Sensors of a simulated arm: their lag, latency and noise, with the samples that they will deliver.
+/// Sensors of a simulated arm: lag, latency and noise of its measured positions, and the samples that are on their way.
 #[derive(Clone, Debug)]
 pub(super) struct Sensing {
     pub(super) history: History,
-    /// Length of a tick, in s.
+    /// Duration of a tick, in s.
     tick: f64,
-    /// Fraction of the difference by which a measured position follows in a tick.
+    /// Fraction of the difference to the true position, from 0 to 1, by which a measured position follows in a tick.
     lag_fraction: f64,
-    /// Latency without faults, in s.
+    /// Latency of samples without simulated faults, in s.
     latency: f64,
-    /// Standard deviation of a position without faults, in rad.
+    /// Standard deviation of a measured position without simulated faults, in rad.
     deviation: f64,
     noise: Noise,
+    /// Positions (rad or m) measured by the controller of a real arm, which replace the simulated ones; `None` for a
+    /// simulated arm.
+    pub(super) external: Option<[f64; MAX_AXES]>,
 }
 
 impl Sensing {
@@ -34,13 +38,19 @@ impl Sensing {
             latency: spec.latency,
             deviation: spec.noise,
             noise,
+            external: None,
         }
     }
 
-    /// Takes a sample of all axes at the end of a tick.
+    /// Measures all axes at the end of a tick, with the additional latency and noise of the active faults.
     pub(super) fn sample(&mut self, axes: &mut [Axis], effects: &FaultEffects) {
         let (share, tick) = (self.lag_fraction, self.tick);
-        axes.iter_mut().for_each(|axis| axis.measure(share, tick));
+        match self.external {
+            Some(positions) => axes.iter_mut().zip(positions).for_each(|(axis, position)| {
+                axis.measured = axis.measured.after_set_point(position, tick);
+            }),
+            None => axes.iter_mut().for_each(|axis| axis.measure(share, tick)),
+        }
         let mut sample = measured_sample(axes);
         let deviation = self.deviation + effects.deviation;
         for axis in sample.iter_mut().take(axes.len()) {
@@ -50,7 +60,7 @@ impl Sensing {
         self.history.add(sample, age);
     }
 
-    /// Reserves space for samples that faults delay by `delay` s.
+    /// Reserves memory for samples that simulated faults delay by `delay` seconds.
     pub(super) fn reserve(&mut self, delay: f64) {
         let oldest = self.ticks(self.latency + delay);
         self.history.reserve(oldest);

@@ -4,11 +4,13 @@ use super::Arm;
 use super::axis::Axis;
 use super::brake::Brake;
 use super::limits::Violation;
+use super::watchdog::bridge_missing_set_points;
 use crate::device::Report;
 use crate::error_code::ErrorCode;
 
 impl Arm {
-    /// Simulates one tick that ends at `time` (s): applies set-points, moves the drives, takes samples.
+    /// Simulates one tick, which ends at the simulated time `time` (s): applies set-points, moves the drives, takes
+    /// samples.
     pub fn step(&mut self, time: f64) {
         self.time = time;
         self.update_faults();
@@ -24,7 +26,7 @@ impl Arm {
         self.sensing.sample(&mut self.axes, &self.faults.effects);
     }
 
-    /// Decides what happens in this tick: follow set-points, brake, or stand still.
+    /// Decides what the arm does in this tick: it follows set-points, brakes, or rests.
     fn decide(&mut self) {
         let stop_requested = core::mem::take(&mut self.stop_requested);
         if stop_requested || self.has_failed() {
@@ -37,7 +39,11 @@ impl Arm {
             (true, false, _) => self.take_set_points(),
             (true, true, true) => self.reject_while_braking(),
             (false, _, _) if self.ticks_left > 0 => {}
-            (_, true, false) => self.report_missing_set_points(),
+            (_, true, false) => {
+                if !bridge_missing_set_points(self) {
+                    self.report_missing_set_points();
+                }
+            }
             (false, false, false) => self.axes.iter_mut().for_each(Axis::apply_set_point),
             (false, _, true) => {}
         }
@@ -45,6 +51,7 @@ impl Arm {
 
     fn take_set_points(&mut self) {
         self.brake = None;
+        self.missed_periods = 0;
         self.motion.end_braking();
         self.axes.iter_mut().for_each(Axis::apply_set_point);
         self.ticks_left = self.set_point_ticks;
@@ -61,7 +68,7 @@ impl Arm {
         self.begin_braking();
     }
 
-    /// Rejects set-points for a part of the moving axes while the arm brakes as a whole.
+    /// Rejects the set-points of this tick, which only a part of the moving axes has while the arm brakes as a whole.
     fn reject_while_braking(&mut self) {
         for axis in 0..self.axes.len() {
             if self.axes[axis].staged.is_some() {
@@ -111,7 +118,7 @@ impl Arm {
         }
     }
 
-    /// Reports axes that leave their range while braking. Braking cannot prevent this.
+    /// Reports axes that leave their ranges while braking, which braking cannot prevent.
     fn report_range_violations(&mut self) {
         for axis in 0..self.axes.len() {
             let (range, at) = (self.axes[axis].limits.position, self.axes[axis].driven);
@@ -140,7 +147,7 @@ impl Arm {
         self.ticks_left = left.saturating_sub(1);
     }
 
-    /// True if the arm moves or has not reached its last set-point. A staged set-point takes precedence over the
+    /// True if the arm moves or has not reached its last set-point. A set-point of this tick takes precedence over the
     /// present velocity: a set-point at the present position brings an axis to rest.
     pub(super) fn is_moving(&self) -> bool {
         let moves = |axis: &Axis| axis.staged.unwrap_or(axis.commanded).is_moving();
@@ -152,7 +159,7 @@ impl Arm {
         self.code.is_failure() || self.axes.iter().any(|axis| axis.code.is_failure())
     }
 
-    /// Computes the effects of the faults that are active now.
+    /// Computes the effects of the simulated faults that are active now.
     pub(super) fn update_faults(&mut self) {
         let surface = self.faults.surface;
         let force = surface.map(|surface| surface.force(self.pose().translation.z));
@@ -160,7 +167,8 @@ impl Arm {
         self.update_failures(failures.whole, &failures.axes);
     }
 
-    /// Sets and clears failures. Each new failure is reported once.
+    /// Sets and clears the failures of the arm as a whole (`whole`) and of its axes (`failed`). Each new failure is
+    /// reported once.
     fn update_failures(&mut self, whole: ErrorCode, failed: &[bool]) {
         if whole != self.code && whole != ErrorCode::OK {
             self.report(None, Violation::from_code(whole));
@@ -178,7 +186,7 @@ impl Arm {
         }
     }
 
-    /// Sets the error code of an axis. Reports it if it is new.
+    /// Sets the error code of an axis, counted from 0, and reports it if it is new.
     pub(super) fn set_axis_error(&mut self, axis: usize, violation: Violation) {
         if self.axes[axis].code != violation.code {
             self.report(Some(axis), violation);

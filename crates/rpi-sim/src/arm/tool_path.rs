@@ -1,7 +1,7 @@
 //! Paths of the tool as programs request them: from the arguments of a motion function to a path.
 
 use super::motion::SHORTEST_WAY;
-use crate::device::pose_from;
+use crate::device::{pose_from, real_at};
 use crate::error_code::ErrorCode;
 use nalgebra::Vector3;
 use rpi_kin::Pose;
@@ -10,31 +10,34 @@ use rpi_motion::path::line::TURNING_LENGTH;
 use rpi_motion::path::spline::{MAX_POINTS, SHORTEST_CHORD};
 use rpi_motion::path::{Arc, ArcError, ArcOrientation, Piece, SplineError, ToolPath};
 
-/// Kind of a path of the tool.
+/// Kind of a path of the tool, with the target that the calling command passes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum ToolPathKind {
-    /// A straight line. Target: a pose.
+    /// Straight line. Target: the end pose.
     Line,
-    /// An arc through a point. Target: the via pose and the end pose.
+    /// Arc through a point. Target: the via pose and the end pose.
     Arc,
-    /// An arc about a centre. Target: the centre and the end pose.
+    /// Arc about a centre. Target: the centre and the end pose.
     ArcByCentre,
-    /// An arc by an angle. Target: centre, axis, angle (rad), and whether the tool turns with the arc.
+    /// Arc by an angle. Target: centre, axis, angle (rad), and whether the tool turns with the arc.
     ArcByAngle,
-    /// Two straight lines, with the corner between them within a zone. Target: the via pose, the end pose and the zone (m).
+    /// Two straight lines with a rounded corner between them. Target: the via pose, the end pose and the zone of the
+    /// corner (m).
     Corner,
-    /// A smooth curve through points. Target: one pose for each point.
+    /// Smooth curve through points. Target: one pose for each point.
     Spline,
 }
 
-/// Number of slots of a vector and of a pose.
+/// Number of 64-bit slots of a vector in memory.
 const VECTOR: usize = 3;
+/// Number of 64-bit slots of a pose in memory.
 const POSE: usize = 7;
 
-/// Returns the path of the tool from the pose `start` to a target, as the arguments of a motion function give it.
+/// Returns the path of the tool from the pose `start` to a target, given as slots.
 ///
 /// # Errors
-/// The error code for which there is no such path. A number that is not finite may also give a path whose length is not.
+/// The error code of the reason why there is no such path. If a number of the target is not finite, the result may also
+/// be a path whose length is not finite.
 pub(super) fn tool_path(
     kind: ToolPathKind,
     start: &Pose,
@@ -57,16 +60,9 @@ pub(super) fn tool_path(
     }
 }
 
-/// Splits the slots of a target; a part that is missing is empty.
+/// Splits the slots of a target before the slot `at`; missing slots make a part shorter or empty.
 fn split(target: &[u64], at: usize) -> (&[u64], &[u64]) {
     target.split_at(at.min(target.len()))
-}
-
-/// Reads a real; NaN if it is missing.
-fn real_at(target: &[u64], at: usize) -> f64 {
-    target
-        .get(at)
-        .map_or(f64::NAN, |bits| f64::from_bits(*bits))
 }
 
 fn vector_from(target: &[u64]) -> Vector3<f64> {
@@ -94,7 +90,8 @@ fn arc_by_angle(start: &Pose, target: &[u64]) -> Result<Arc, ArcError> {
     Arc::by_angle(start, &centre, &axis, real_at(rest, 0), orientation)
 }
 
-/// The path over a via pose to another pose, with a zone in m.
+/// Returns the path from `start` over a via pose to an end pose with a rounded corner. The target, in slots, is via
+/// pose, end pose and zone (m).
 fn corner(start: &Pose, target: &[u64]) -> Result<Path, ErrorCode> {
     let (via, rest) = split(target, POSE);
     let (via, to) = (pose_from(via), pose_from(rest));
@@ -106,7 +103,8 @@ fn corner(start: &Pose, target: &[u64]) -> Result<Path, ErrorCode> {
     path.map(Path::Tool).map_err(|_| ErrorCode::NO_CORNER)
 }
 
-/// The spline through points. If the tool is at the first one, it is the start.
+/// Returns the spline from `start` through the poses of the target, given as slots. A first pose equal to `start` is
+/// left out.
 fn spline(start: &Pose, target: &[u64]) -> Result<Path, ErrorCode> {
     let mut points = [*start; MAX_POINTS];
     let mut count = 1;
@@ -130,7 +128,7 @@ fn spline(start: &Pose, target: &[u64]) -> Result<Path, ErrorCode> {
     path.map(Path::Tool)
 }
 
-/// Whether two poses are the same, but for rounding.
+/// Returns true if two poses are equal, apart from rounding.
 fn is_at(one: &Pose, other: &Pose) -> bool {
     let turn = one.rotation.angle_to(&other.rotation);
     (one.translation.vector - other.translation.vector).norm() < SHORTEST_CHORD

@@ -1,48 +1,59 @@
 //! Devices with `kind = "arm"` and `kind = "linear-unit"`.
 
 use super::faults;
+use super::periods::read_periods;
 use super::quantity::Dimension::{
     self, Acceleration, Angle, AngularAcceleration, AngularJerk, AngularVelocity, Jerk, Length,
     Number, Time, Velocity,
 };
-use super::reader::{TableReader, did_you_mean};
+use super::quantity::unit_suffix;
+use super::reader::TableReader;
+use super::robot::{self, ROBOT_FILES};
+use super::words::WordOrFile;
 use crate::fault::ScheduledFault;
+use crate::udp::UdpSpec;
 use nalgebra::{Isometry3, Quaternion, Translation3, UnitQuaternion};
+use rpi_kin::chain::JointType;
 use rpi_kin::state_to_rest::Bounds;
 use rpi_kin::{ArmModel, AxisLimits, models};
+use std::net::SocketAddr;
 
-/// Description of an arm in a cell.
+/// Description of an arm, linear unit or positioner of a cell.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ArmSpec {
-    /// Kinematics and limits of the arm, by the key `model`.
+    /// Model of the arm: kinematics and limits.
     pub model: &'static ArmModel,
     /// Initial joint positions, in rad (m for a linear unit).
     pub joints: Vec<f64>,
-    /// Pose of the base in the cell.
+    /// Pose of the base of the arm in the cell.
     pub base: Isometry3<f64>,
     /// Pose of the tool in the flange frame.
     pub tool: Isometry3<f64>,
-    /// Limits of the model with the cell's overrides.
+    /// Limits of the axes: those of the model, except where the cell has its own.
     pub limits: Vec<AxisLimits>,
-    /// Greatest speed (m/s), acceleration (m/s²) and jerk (m/s³) of the tool in motions along its paths; infinite
+    /// Maximum speed (m/s), acceleration (m/s²) and jerk (m/s³) of the tool in motions along its paths; infinite
     /// without a limit.
     pub tool_limits: Bounds,
-    /// Limits that set-points are checked against.
+    /// Kinds of limits that set-points are checked against.
     pub enforced: EnforcedLimits,
     /// Time constant of the first-order lag of measured positions, in s; 0 for no lag.
     pub lag: f64,
-    /// Latency of samples, in s.
+    /// Latency of the samples of sensors, in s.
     pub latency: f64,
     /// Standard deviation of a measured joint position, in rad.
     pub noise: f64,
-    /// An elastic surface under the tool, if any.
+    /// Number of periods without set-points after which a moving arm brakes, at least 1.
+    pub watchdog: u32,
+    /// Connection to the controller of a real arm; `None` for a simulated arm.
+    pub udp: Option<UdpSpec>,
+    /// Elastic surface under the tool; `None` without one.
     pub surface: Option<Surface>,
     /// Faults that the simulation injects, each with its time.
     pub faults: Vec<ScheduledFault>,
 }
 
 impl ArmSpec {
-    /// Limits of a tool that the cell does not limit.
+    /// Limits of the tool of an arm for which the cell gives none.
     pub const UNLIMITED_TOOL: Bounds = Bounds {
         speed: f64::INFINITY,
         acceleration: f64::INFINITY,
@@ -50,70 +61,113 @@ impl ArmSpec {
     };
 }
 
-/// A horizontal surface that pushes back like a spring.
+/// Simulated horizontal surface that pushes back like a spring.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Surface {
-    /// Height of the surface in base coordinates, m.
+    /// Height of the surface in the base frame, m.
     pub height: f64,
-    /// Stiffness, N per m of penetration.
+    /// Stiffness of the surface, N per m of penetration.
     pub stiffness: f64,
 }
 
 impl Surface {
-    /// Upward force on a tool at this height, N.
+    /// Returns the upward force (N) on a tool whose height in the base frame is `tool` (m).
     pub(crate) fn force(&self, tool: f64) -> f64 {
         self.stiffness * (self.height - tool).max(0.0)
     }
 }
 
-/// Limits that set-points are checked against. Reachability, finiteness and the distance of the first set-point are
-/// always checked.
+/// Kinds of limits that set-points are checked against. Reachability and finiteness are always checked.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct EnforcedLimits {
-    /// Whether set-points are checked against the ranges of the joints.
+    /// True if set-points are checked against the ranges of the joints.
     pub position: bool,
-    /// Whether set-points are checked against the velocity limits.
+    /// True if set-points are checked against the velocity limits.
     pub velocity: bool,
-    /// Whether set-points are checked against the acceleration limits.
+    /// True if set-points are checked against the acceleration limits.
     pub acceleration: bool,
-    /// Whether set-points are checked against the jerk limits.
+    /// True if set-points are checked against the jerk limits.
     pub jerk: bool,
 }
 
 const ENFORCEABLE: &[&str] = &["position", "velocity", "acceleration", "jerk"];
 
-/// Dimensions of the numbers for an axis: position, velocity, acceleration, jerk.
-type AxisDimensions = [Dimension; 4];
+/// Dimensions of the numbers for one axis: position, velocity, acceleration, jerk.
+pub(super) type AxisDimensions = [Dimension; 4];
 
-const REVOLUTE: AxisDimensions = [Angle, AngularVelocity, AngularAcceleration, AngularJerk];
-const PRISMATIC: AxisDimensions = [Length, Velocity, Acceleration, Jerk];
+pub(super) const REVOLUTE: AxisDimensions =
+    [Angle, AngularVelocity, AngularAcceleration, AngularJerk];
+pub(super) const PRISMATIC: AxisDimensions = [Length, Velocity, Acceleration, Jerk];
+
+/// Models with the most and the fewest axes, of different types. What they accept together, the schema accepts.
+const EXTREMES: [&ArmModel; 2] = [&models::kuka_lbr::LWR_4_PLUS, &models::linear::LINEAR_UNIT];
 
 pub(super) fn read(reader: &mut TableReader<'_>) -> Option<ArmSpec> {
     let Some(model) = read_model(reader) else {
         // The valid values of the other keys depend on the model. Without a model, the keys only count as known.
-        reader.mark_known(|other| drop(read_of(other, models::ALL[0], REVOLUTE)));
+        for model in EXTREMES {
+            reader.mark_known(|other| drop(read_of(other, model)));
+        }
         return None;
     };
-    let spec = read_of(reader, model, REVOLUTE);
+    let spec = read_of(reader, model);
     check_start(reader, &spec);
     Some(spec)
 }
 
-/// Reads `kind = "linear-unit"`: an arm with one prismatic axis.
-pub(super) fn read_linear(reader: &mut TableReader<'_>) -> Option<ArmSpec> {
-    let spec = read_of(reader, &models::linear::LINEAR_UNIT, PRISMATIC);
+/// Reads the keys of a kind that stands for the built-in model `model`, such as `kind = "linear-unit"`.
+pub(super) fn read_built_in(reader: &mut TableReader<'_>, model: &str) -> Option<ArmSpec> {
+    let spec = read_of(reader, robot::builtin(model)?);
     check_start(reader, &spec);
     Some(spec)
 }
 
-fn read_of(
-    reader: &mut TableReader<'_>,
-    model: &'static ArmModel,
-    units: AxisDimensions,
-) -> ArmSpec {
+/// Reads the keys of `kind = "udp-arm"`: an arm behind a real controller.
+pub(super) fn read_udp(reader: &mut TableReader<'_>) -> Option<ArmSpec> {
+    let address = read_address(reader);
+    let timeout = reader.positive("timeout", Time).unwrap_or(0.1);
+    let spec = read(reader)?;
+    let udp = UdpSpec {
+        address: address?,
+        timeout,
+    };
+    Some(ArmSpec {
+        udp: Some(udp),
+        ..spec
+    })
+}
+
+/// Reads the key `address`: an IP address with a port. Reports an error and returns `None` if it is missing or invalid.
+fn read_address(reader: &mut TableReader<'_>) -> Option<SocketAddr> {
+    let text = reader.text("address");
+    let address = text.and_then(|text| text.parse().ok());
+    let help = "expected an address and a port, such as \"192.168.1.2:5005\"";
+    reader.require("address", help);
+    if let (Some(text), None) = (text, address) {
+        let message = format!("`{text}` is not an address");
+        reader.error_at("address", message, Some(help.to_owned()));
+    }
+    address
+}
+
+/// Returns the dimensions of the numbers for one axis of a model, counted from 0: angles, or lengths for a linear axis.
+fn axis_dimensions(model: &ArmModel, axis: usize) -> AxisDimensions {
+    let link = model.chain.links.get(axis);
+    match link.map(|link| link.joint) {
+        Some(JointType::Prismatic) => PRISMATIC,
+        _ => REVOLUTE,
+    }
+}
+
+fn read_of(reader: &mut TableReader<'_>, model: &'static ArmModel) -> ArmSpec {
     let axes = model.axes();
-    let joints = reader.reals("joints", units[0], axes);
-    let limits = read_limits(reader, model.limits, units);
+    let dimensions: Vec<AxisDimensions> =
+        (0..axes).map(|axis| axis_dimensions(model, axis)).collect();
+    let joints = reader.list_of(
+        "joints",
+        &dimensions.iter().map(|axis| axis[0]).collect::<Vec<_>>(),
+    );
+    let limits = read_limits(reader, model.limits, &dimensions);
     let nearest_to_zero =
         |axis: &AxisLimits| 0.0_f64.max(axis.position.lower).min(axis.position.upper);
     ArmSpec {
@@ -126,13 +180,15 @@ fn read_of(
         enforced: read_enforced(reader),
         lag: reader.magnitude("lag", Time).unwrap_or(0.0),
         latency: reader.magnitude("latency", Time).unwrap_or(0.0),
-        noise: reader.magnitude("noise", units[0]).unwrap_or(0.0),
+        noise: reader.magnitude("noise", dimensions[0][0]).unwrap_or(0.0),
+        watchdog: read_periods(reader, "watchdog").unwrap_or(1),
+        udp: None,
         surface: read_surface(reader),
         faults: faults::read(reader, axes),
     }
 }
 
-/// Reads `{ height = length, stiffness = N/m }`.
+/// Reads the key `surface`, a table `{ height = length, stiffness = N/m }`; `None` if it is missing.
 fn read_surface(reader: &mut TableReader<'_>) -> Option<Surface> {
     let mut surface = reader.table("surface")?;
     let read = Surface {
@@ -143,31 +199,41 @@ fn read_surface(reader: &mut TableReader<'_>) -> Option<Surface> {
     Some(read)
 }
 
+/// Reads the key `model`: the name of a built-in model, or the path of a robot description. Reports an error and
+/// returns `None` if there is no such model.
 fn read_model(reader: &mut TableReader<'_>) -> Option<&'static ArmModel> {
-    let known: Vec<&'static str> = models::ALL.iter().map(|model| model.id).collect();
-    let given = reader.keyword("model", &known);
-    if given.is_none() && !reader.has("model") {
-        let help = did_you_mean("", &known);
-        reader.error_at("model", "`model` is missing".to_owned(), Some(help));
+    let known = robot::builtin_ids();
+    let given = reader.keyword_or_file("model", &known, ROBOT_FILES);
+    let help = format!(
+        "expected one of {}, or the path of a file",
+        known.join(", ")
+    );
+    reader.require("model", &help);
+    match given? {
+        WordOrFile::Word(name) => robot::builtin(name),
+        WordOrFile::File(path) => reader.errors.robot(path),
     }
-    given.and_then(models::by_id)
 }
 
 fn check_start(reader: &TableReader<'_>, spec: &ArmSpec) {
     for (axis, (joint, limits)) in spec.joints.iter().zip(&spec.limits).enumerate() {
         if spec.enforced.position && !limits.position.contains(*joint) {
             let (lower, upper) = (limits.position.lower, limits.position.upper);
-            reader.error_at(
+            let [position, ..] = axis_dimensions(spec.model, axis);
+            let unit = unit_suffix(position);
+            reader.error_at_entry(
                 "joints",
-                format!("initial position {joint} of joint {axis} is out of range"),
-                Some(format!("the range is {lower:.4} to {upper:.4}")),
+                axis,
+                format!("initial position {joint}{unit} of joint {axis} is out of range"),
+                Some(format!("the range is {lower:.4} to {upper:.4}{unit}")),
             );
         }
     }
 }
 
-/// Reads `{ position = [x, y, z], rpy = [roll, pitch, yaw] }`, or the same with `quaternion = [x, y, z, w]`.
-fn read_pose(reader: &mut TableReader<'_>, key: &'static str) -> Isometry3<f64> {
+/// Reads a pose: `{ position = [x, y, z], rpy = [roll, pitch, yaw] }`, or the same with `quaternion = [x, y, z, w]`.
+/// Missing parts are 0.
+pub(super) fn read_pose(reader: &mut TableReader<'_>, key: &'static str) -> Isometry3<f64> {
     let Some(mut pose) = reader.table(key) else {
         return Isometry3::identity();
     };
@@ -195,7 +261,7 @@ fn read_pose(reader: &mut TableReader<'_>, key: &'static str) -> Isometry3<f64> 
     )
 }
 
-/// Rotation `Rz(yaw) Ry(pitch) Rx(roll)`, with arithmetic that gives the same bits on every machine.
+/// Returns the rotation `Rz(yaw) Ry(pitch) Rx(roll)` for angles in rad, with the same bits on every machine.
 fn from_rpy(roll: f64, pitch: f64, yaw: f64) -> UnitQuaternion<f64> {
     let about = |angle: f64, x: f64, y: f64, z: f64| {
         let (sin, cos) = libm::sincos(angle / 2.0);
@@ -218,67 +284,68 @@ fn checked_unit_quaternion(
     UnitQuaternion::new_unchecked(quaternion / length)
 }
 
-/// Reads the limits of an arm: those of the model, replaced where the table has another limit, for all axes or for
-/// each.
+/// Reads the key `limits`: the limits of an arm are its own, `own`, except where the table has another value, for all
+/// axes or for each axis.
 fn read_limits(
     reader: &mut TableReader<'_>,
     own: &[AxisLimits],
-    units: AxisDimensions,
+    dimensions: &[AxisDimensions],
 ) -> Vec<AxisLimits> {
     let mut limits = own.to_vec();
     let Some(mut table) = reader.table("limits") else {
         return limits;
     };
-    let mut set = |key, dimension, place: fn(&mut AxisLimits) -> &mut f64| {
-        let given = table
-            .one_or_list(key, dimension, own.len())
-            .unwrap_or_default();
+    let mut set = |key, which: usize, place: fn(&mut AxisLimits) -> &mut f64| {
+        let own: Vec<Dimension> = dimensions.iter().map(|axis| axis[which]).collect();
+        let given = table.one_or_list_of(key, &own).unwrap_or_default();
         limits
             .iter_mut()
             .zip(given)
             .for_each(|(axis, value)| *place(axis) = value);
     };
-    set("lower", units[0], |axis| &mut axis.position.lower);
-    set("upper", units[0], |axis| &mut axis.position.upper);
-    set("velocity", units[1], |axis| &mut axis.velocity);
-    set("acceleration", units[2], |axis| &mut axis.acceleration);
-    set("jerk", units[3], |axis| &mut axis.jerk);
+    set("lower", 0, |axis| &mut axis.position.lower);
+    set("upper", 0, |axis| &mut axis.position.upper);
+    set("velocity", 1, |axis| &mut axis.velocity);
+    set("acceleration", 2, |axis| &mut axis.acceleration);
+    set("jerk", 3, |axis| &mut axis.jerk);
     for (axis, limits) in limits.iter().enumerate() {
-        check_limits(&table, axis, limits);
+        check_limits(&table, axis, limits, &dimensions[axis]);
     }
     table.finish();
     limits
 }
 
-fn check_limits(table: &TableReader<'_>, axis: usize, limits: &AxisLimits) {
-    let checks = [
-        (
-            "upper",
-            "has an empty range",
-            limits.position.lower < limits.position.upper,
-        ),
-        (
-            "velocity",
-            "has a velocity limit that is not positive",
-            limits.velocity > 0.0,
-        ),
-        (
-            "acceleration",
-            "has an acceleration limit that is not positive",
-            limits.acceleration > 0.0,
-        ),
-        (
-            "jerk",
-            "has a jerk limit that is not positive",
-            limits.jerk > 0.0,
-        ),
+/// Reports an empty range of an axis, and limits that are not greater than zero.
+fn check_limits(
+    table: &TableReader<'_>,
+    axis: usize,
+    limits: &AxisLimits,
+    dimensions: &AxisDimensions,
+) {
+    let [position, others @ ..] = dimensions.map(unit_suffix);
+    let (lower, upper) = (limits.position.lower, limits.position.upper);
+    if lower >= upper {
+        let key = if table.has("upper") { "upper" } else { "lower" };
+        let message = format!("axis {axis} has an empty range: {lower} to {upper}{position}");
+        let help = "`lower` must be less than `upper`".to_owned();
+        table.error_at_entry(key, axis, message, Some(help));
+    }
+    let values = [
+        ("velocity", limits.velocity),
+        ("acceleration", limits.acceleration),
+        ("jerk", limits.jerk),
     ];
-    for (key, what, _) in checks.into_iter().filter(|(_, _, good)| !good) {
-        table.error_at(key, format!("axis {axis} {what}"), None);
+    for ((key, value), unit) in values.into_iter().zip(others) {
+        if value <= 0.0 {
+            let message =
+                format!("{key} limit of axis {axis} is {value}{unit}, expected more than 0{unit}");
+            table.error_at_entry(key, axis, message, None);
+        }
     }
 }
 
-/// Reads `{ speed = m/s, acceleration = m/s^2, jerk = m/s^3 }`, each optional.
+/// Reads the key `tool_limits`, a table `{ speed = m/s, acceleration = m/s^2, jerk = m/s^3 }`. Missing values are
+/// infinite.
 fn read_tool_limits(reader: &mut TableReader<'_>) -> Bounds {
     let mut limits = ArmSpec::UNLIMITED_TOOL;
     let Some(mut table) = reader.table("tool_limits") else {

@@ -5,26 +5,33 @@ use super::reader::TableReader;
 use crate::fault::{FaultKind, ScheduledFault};
 use nalgebra::Vector6;
 
-/// Function that reads the keys of one kind of fault; the number is the number of axes.
+/// Function that reads the keys of one kind of simulated fault; the number is the number of axes of the arm.
 type ReadFaultKind = fn(&mut TableReader<'_>, usize) -> Option<FaultKind>;
 
-/// Kinds of faults by the value of the key `trouble`, each with the function that reads its other keys.
+/// Kinds of simulated faults, by the value of the key `trouble`, each with the function that reads its other keys.
 const FAULT_KINDS: &[(&str, ReadFaultKind)] = &[
     ("joint-failure", |reader, axes| {
-        let axis = required(reader, "axis", |reader| reader.index("axis", axes as u64))?;
+        let axis = reader.index("axis", axes as u64);
+        reader.require("axis", &format!("the range is 0 to {}", axes.max(1) - 1));
+        let axis = axis?;
         Some(FaultKind::JointFailure(usize::try_from(axis).ok()?))
     }),
     ("emergency-stop", |_, _| Some(FaultKind::EmergencyStop)),
     ("lost-samples", |_, _| Some(FaultKind::LostSamples)),
     ("lost-set-points", |_, _| Some(FaultKind::LostSetPoints)),
     ("latency", |reader, _| {
-        required(reader, "delay", |reader| reader.magnitude("delay", Time)).map(FaultKind::Latency)
+        let delay = reader.magnitude("delay", Time);
+        reader.require(
+            "delay",
+            "expected a time in s, or a string such as \"5 ms\"",
+        );
+        delay.map(FaultKind::Latency)
     }),
     ("noise", |reader, _| {
-        required(reader, "deviation", |reader| {
-            reader.magnitude("deviation", Angle)
-        })
-        .map(FaultKind::Noise)
+        let deviation = reader.magnitude("deviation", Angle);
+        let help = "expected an angle in rad, or a string such as \"0.1 deg\"";
+        reader.require("deviation", help);
+        deviation.map(FaultKind::Noise)
     }),
     ("contact", |reader, _| {
         let force = reader
@@ -52,31 +59,18 @@ fn read_one(mut reader: TableReader<'_>, axes: usize) -> Option<ScheduledFault> 
     let until = reader
         .magnitude("for", Time)
         .map_or(f64::INFINITY, |duration| from + duration);
-    let word = required(&mut reader, "trouble", |reader| {
-        reader.keyword("trouble", &words)
+    let known = reader.variant("trouble", &words, |reader, word| {
+        let (_, read) = FAULT_KINDS.iter().find(|(known, _)| *known == word)?;
+        // A valid word with invalid keys is `Some(None)`: then, the other keys are still checked.
+        Some(read(reader, axes))
     });
-    let read = FAULT_KINDS
-        .iter()
-        .find(|(known, _)| Some(*known) == word)
-        .map(|(_, read)| read)?;
-    let error = read(&mut reader, axes);
+    let help = format!("expected one of {}", words.join(", "));
+    reader.require("trouble", &help);
+    let kind = known?;
     reader.finish();
     Some(ScheduledFault {
         from,
         until,
-        kind: error?,
+        kind: kind?,
     })
-}
-
-/// Reads a required key. Reports an error if the key is missing.
-fn required<'a, T>(
-    reader: &mut TableReader<'a>,
-    key: &'static str,
-    read: impl FnOnce(&mut TableReader<'a>) -> Option<T>,
-) -> Option<T> {
-    let value = read(reader);
-    if value.is_none() && !reader.has(key) {
-        reader.error_at(key, format!("`{key}` is missing"), None);
-    }
-    value
 }

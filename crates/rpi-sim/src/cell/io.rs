@@ -1,25 +1,26 @@
 //! Terminals: `kind = "digital-io"`, `"analogue-io"`, and `"io"` with both.
 
 use super::quantity::Dimension::{Number, Time};
-use super::reader::{TableReader, integer};
+use super::reader::TableReader;
+use super::value::{Node, integer};
 
 /// Description of a block of input and output terminals.
 #[derive(Clone, Debug, PartialEq)]
 pub struct IoSpec {
-    /// Digital inputs and outputs.
+    /// Digital (Boolean) inputs and outputs.
     pub digital: TerminalSpec<bool>,
     /// Analogue inputs and outputs, in the unit of the wired signal.
     pub analogue: TerminalSpec<f64>,
 }
 
-/// Inputs and outputs of one type.
+/// Inputs and outputs of one type in a terminal block.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct TerminalSpec<T> {
-    /// Initial values of the inputs.
+    /// Initial values of the inputs, by index.
     pub inputs: Vec<T>,
-    /// Initial values of the outputs.
+    /// Initial values of the outputs, by index.
     pub outputs: Vec<T>,
-    /// Changes of the inputs, in order of time.
+    /// Scripted changes of the inputs, in order of time.
     pub script: Vec<InputChange<T>>,
     /// Period of the script, in s; infinity if it does not repeat.
     pub repeat: f64,
@@ -28,7 +29,7 @@ pub struct TerminalSpec<T> {
 /// Change of a simulated input at a time of the script.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct InputChange<T> {
-    /// Time of the change in s, since the start of the cell or of the repeated script.
+    /// Time of the change in s, since the start of the cell or of the repetition of the script.
     pub at: f64,
     /// Index of the input, from 0.
     pub input: usize,
@@ -36,28 +37,18 @@ pub struct InputChange<T> {
     pub value: T,
 }
 
-/// Type of the values of inputs: Boolean or real.
+/// Type of the values of inputs and outputs: Boolean or real.
 pub(super) trait InputValue: Sized + Copy + Default {
     const EXPECTED: &'static str;
-    fn list(reader: &mut TableReader<'_>, key: &'static str, count: usize) -> Option<Vec<Self>>;
+    fn list(reader: &mut TableReader<'_>, key: &'static str) -> Option<Vec<Self>>;
     fn one(reader: &mut TableReader<'_>, key: &'static str) -> Option<Self>;
 }
 
 impl InputValue for bool {
     const EXPECTED: &'static str = "true or false";
 
-    fn list(reader: &mut TableReader<'_>, key: &'static str, _count: usize) -> Option<Vec<Self>> {
-        let nodes = reader.list(key)?;
-        let values = nodes.iter().map(|node| node.get_ref().as_bool());
-        let values: Option<Vec<bool>> = values.collect();
-        if values.is_none() {
-            reader.error_at(
-                key,
-                format!("expected a number of ports or a list of Booleans for `{key}`"),
-                None,
-            );
-        }
-        values
+    fn list(reader: &mut TableReader<'_>, key: &'static str) -> Option<Vec<Self>> {
+        reader.booleans(key)
     }
 
     fn one(reader: &mut TableReader<'_>, key: &'static str) -> Option<Self> {
@@ -68,8 +59,8 @@ impl InputValue for bool {
 impl InputValue for f64 {
     const EXPECTED: &'static str = "a number";
 
-    fn list(reader: &mut TableReader<'_>, key: &'static str, count: usize) -> Option<Vec<Self>> {
-        reader.reals(key, Number, count)
+    fn list(reader: &mut TableReader<'_>, key: &'static str) -> Option<Vec<Self>> {
+        reader.reals_of_any_length(key, Number)
     }
 
     fn one(reader: &mut TableReader<'_>, key: &'static str) -> Option<Self> {
@@ -131,8 +122,10 @@ fn read_signal<T: InputValue>(reader: &mut TableReader<'_>) -> TerminalSpec<T> {
     script.sort_by(|one, other| one.at.total_cmp(&other.at));
     let repeat = reader.magnitude("repeat", Time).unwrap_or(f64::INFINITY);
     if script.last().is_some_and(|last| last.at >= repeat) {
-        let message = "`repeat` must be later than the last change of the script".to_owned();
-        reader.error_at("repeat", message, None);
+        let last = script.last().map_or(0.0, |last| last.at);
+        let message = format!("`repeat` is {repeat} s, expected more than {last} s");
+        let help = "the script restarts after its last change".to_owned();
+        reader.error_at("repeat", message, Some(help));
     }
     TerminalSpec {
         inputs,
@@ -142,17 +135,15 @@ fn read_signal<T: InputValue>(reader: &mut TableReader<'_>) -> TerminalSpec<T> {
     }
 }
 
-/// Reads a number of ports, all initially 0, or a list of their initial values.
+/// Reads the inputs or outputs at `key`: a number of terminals, all initially 0, or a list of their initial values.
 fn read_ports<T: InputValue>(reader: &mut TableReader<'_>, key: &'static str) -> Vec<T> {
-    let count = match reader.peek(key) {
-        Some(node) if integer(node).is_some() => {
-            let count = reader.index(key, MAX_TERMINALS + 1).unwrap_or(0);
-            return vec![T::default(); usize::try_from(count).unwrap_or(0)];
-        }
-        Some(node) => node.get_ref().as_array().map_or(0, |list| list.len()),
-        None => 0,
+    let is_count = |node: Node<'_>| integer(node).is_some();
+    let zeros = |reader: &mut TableReader<'_>| {
+        let count = reader.integer(key, 0..=MAX_TERMINALS, "").unwrap_or(0);
+        vec![T::default(); usize::try_from(count).unwrap_or(0)]
     };
-    T::list(reader, key, count).unwrap_or_default()
+    let listed = |reader: &mut TableReader<'_>| T::list(reader, key).unwrap_or_default();
+    reader.either(key, is_count, zeros, listed)
 }
 
 fn read_change<T: InputValue>(
@@ -162,12 +153,9 @@ fn read_change<T: InputValue>(
     let at = reader.magnitude("at", Time);
     let input = reader.index("input", inputs as u64);
     let value = T::one(&mut reader, "value");
-    for key in ["at", "input", "value"] {
-        if !reader.has(key) {
-            let help = (key == "value").then(|| format!("expected {}", T::EXPECTED));
-            reader.error_at(key, format!("`{key}` is missing"), help);
-        }
-    }
+    reader.require("at", "expected a time in s, or a string such as \"5 ms\"");
+    reader.require("input", "expected the index of an input, from 0");
+    reader.require("value", &format!("expected {}", T::EXPECTED));
     reader.finish();
     Some(InputChange {
         at: at?,

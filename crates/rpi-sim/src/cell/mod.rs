@@ -3,31 +3,50 @@
 //! Parsing does not stop at the first error. The result is either a complete cell or all errors with their positions.
 
 mod arm;
+mod collector;
+mod descriptions;
 mod error;
 mod faults;
 mod io;
-mod quantity;
+mod json;
+mod kind;
+mod numbers;
+mod periods;
+pub(crate) mod quantity;
 mod reader;
+pub mod robot;
+mod schema;
+mod shape;
 mod simple_devices;
 mod suggestion;
+mod value;
+mod words;
 
 pub use arm::{ArmSpec, EnforcedLimits, Surface};
 pub use error::{CellError, CellErrors};
 pub use io::{InputChange, IoSpec, TerminalSpec};
-pub use simple_devices::{BaseSpec, ForceSpec, GripperSpec};
+pub use kind::{DeviceKind, KindInfo};
+pub use simple_devices::BaseSpec;
 
-use reader::{ErrorCollector, TableReader};
+use collector::ErrorCollector;
+use core::cell::RefCell;
+use reader::TableReader;
+use robot::{AttachedFiles, NoFiles, RobotDescription, RobotFiles, is_robot_file};
+use rpi_kin::ArmModel;
+use std::collections::BTreeMap;
 use toml::de::DeTable;
 
-/// A robot cell: its devices and common settings.
+/// Description of a robot cell: its devices and common settings.
 #[derive(Clone, Debug, PartialEq, Default)]
 pub struct Cell {
-    /// Display name; empty if not set.
+    /// Name of the cell for display; empty if not set.
     pub name: String,
     /// Seed for the noise of all devices. The same seed gives the same bits.
     pub seed: u64,
-    /// The devices, in text order.
+    /// Devices of the cell, in text order.
     pub devices: Vec<DeviceSpec>,
+    /// Texts of the robot descriptions that the cell uses, by their paths, so that a recording can contain them.
+    pub robot_files: BTreeMap<String, String>,
 }
 
 /// Device of a cell as `cell.toml` describes it.
@@ -39,100 +58,64 @@ pub struct DeviceSpec {
     pub kind: DeviceKind,
 }
 
-/// Kind of a device, with its settings.
-#[derive(Clone, Debug, PartialEq)]
-pub enum DeviceKind {
-    /// A robot arm or a linear axis.
-    Arm(ArmSpec),
-    /// Digital or analogue inputs and outputs, or both.
-    Io(IoSpec),
-    /// A mobile base with two driven wheels.
-    Base(BaseSpec),
-    /// A gripper with two fingers.
-    Gripper(GripperSpec),
-    /// A force/torque sensor.
-    Force(ForceSpec),
-}
-
-/// Function that reads the keys of one kind of device.
-type ReadKind = fn(&mut TableReader<'_>) -> Option<DeviceKind>;
-
-/// Kinds of devices by the value of the key `kind`, each with the function that reads its other keys.
-const KINDS: &[(&str, ReadKind)] = &[
-    ("arm", |reader| arm::read(reader).map(DeviceKind::Arm)),
-    ("digital-io", |reader| {
-        io::read_digital(reader).map(DeviceKind::Io)
-    }),
-    ("analogue-io", |reader| {
-        io::read_analogue(reader).map(DeviceKind::Io)
-    }),
-    ("io", |reader| io::read_both(reader).map(DeviceKind::Io)),
-    ("linear-unit", |reader| {
-        arm::read_linear(reader).map(DeviceKind::Arm)
-    }),
-    ("base", |reader| {
-        simple_devices::read_base(reader).map(DeviceKind::Base)
-    }),
-    ("gripper", |reader| {
-        simple_devices::read_gripper(reader).map(DeviceKind::Gripper)
-    }),
-    ("force-torque", |reader| {
-        simple_devices::read_force(reader).map(DeviceKind::Force)
-    }),
-];
-
 impl Cell {
-    /// Parses a description. `file` is used in messages only.
+    /// Parses the description of a cell that names no files. `file` is the name of the file, for messages only.
     ///
     /// # Errors
     /// Returns all errors of the description, with their positions.
     pub fn parse(file: &str, text: &str) -> Result<Self, CellErrors> {
-        let faults = ErrorCollector::default();
-        let (document, broken) = DeTable::parse_recoverable(text);
-        for error in &broken {
-            let span = error.span().unwrap_or(0..0);
-            faults.add(span, error.message().replace('\n', ": "), None);
-        }
-        let cell = if broken.is_empty() {
-            Some(Self::read(TableReader::new(
-                document.get_ref(),
-                0..0,
-                &faults,
-            )))
-        } else {
-            None
-        };
-        let errors = faults.sorted();
-        match cell {
-            Some(cell) if errors.is_empty() => Ok(cell),
-            _ => Err(CellErrors {
-                file: file.to_owned(),
-                text: text.to_owned(),
-                errors,
-            }),
-        }
+        Self::parse_with(file, text, &NoFiles)
     }
 
-    /// Name of the device that owns a resource of a bank with these devices, and the resource within the device.
+    /// Parses the description of a cell. `file` is the name of the file, for messages only. `files` reads the robot
+    /// descriptions that the cell names.
+    ///
+    /// # Errors
+    /// Returns all errors of the description and of the named files, with their positions.
+    pub fn parse_with(file: &str, text: &str, files: &dyn RobotFiles) -> Result<Self, CellErrors> {
+        let mut used = BTreeMap::new();
+        let cell = read_document_with(
+            file,
+            text,
+            |document, errors| read_robots(document, errors, files, &mut used),
+            Self::read,
+        )?;
+        Ok(Self {
+            robot_files: used,
+            ..cell
+        })
+    }
+
+    /// Returns the JSON schema of cell descriptions, for editors.
+    #[must_use]
+    pub fn schema() -> String {
+        schema::schema("cell", "Cell description (cell.toml)", |reader| {
+            Self::read(reader);
+        })
+    }
+
+    /// Returns the text of this cell with the texts of the files that it names, so that it can be parsed without them.
+    /// `text` is the text from which the cell was parsed.
+    #[must_use]
+    pub fn self_contained(&self, text: &str) -> String {
+        let mut all = text.to_owned();
+        for (path, content) in &self.robot_files {
+            let quoted = |text: &str| toml::Value::String(text.to_owned()).to_string();
+            let [path, content] = [quoted(path), quoted(content)];
+            all += &format!("\n[[robot_files]]\npath = {path}\ntext = {content}\n");
+        }
+        all
+    }
+
+    /// Returns the name of the device that owns a resource of a bank with these devices, and the number of the resource
+    /// within the device; `None` if there is no such device.
     #[must_use]
     pub fn resource_owner(&self, resource: u32) -> Option<(&str, u32)> {
         let (place, own) = crate::bank::split_resource(resource);
         self.devices.get(place).map(|d| (d.name.as_str(), own))
     }
 
-    /// All kinds of devices with their keys, for the manual.
-    #[must_use]
-    pub fn kinds_and_keys() -> Vec<(&'static str, Vec<&'static str>)> {
-        let faults = ErrorCollector::default();
-        let keys = |(kind, read): &(&'static str, ReadKind)| {
-            let mut reader = TableReader::empty(&faults);
-            let _ = read(&mut reader);
-            (*kind, reader.known_keys())
-        };
-        KINDS.iter().map(keys).collect()
-    }
-
-    /// Returns the description of the device that the cell has under this name.
+    /// Returns the description of the device with this name; `None` if there is none.
     #[must_use]
     pub fn device(&self, name: &str) -> Option<&DeviceSpec> {
         self.devices.iter().find(|device| device.name == name)
@@ -145,24 +128,127 @@ impl Cell {
             Some(devices) => read_devices(&devices),
             None => Vec::new(),
         };
+        reader.tables("robot_files").into_iter().for_each(|file| {
+            read_attached(file);
+        });
         reader.finish();
         Self {
             name,
             seed,
             devices,
+            robot_files: BTreeMap::new(),
         }
     }
 }
 
+/// Parses TOML and passes its top-level table to `read`.
+///
+/// # Errors
+/// Returns all errors of the text, with their positions.
+fn read_document<T>(
+    file: &str,
+    text: &str,
+    read: impl FnOnce(TableReader<'_>) -> T,
+) -> Result<T, CellErrors> {
+    read_document_with(file, text, |_, _| BTreeMap::new(), read)
+}
+
+/// Parses TOML, passes it to `read_robots`, which reads the robot descriptions that its devices name, and then passes
+/// its top-level table to `read`.
+///
+/// # Errors
+/// Returns all errors of the text, with their positions.
+fn read_document_with<T>(
+    file: &str,
+    text: &str,
+    read_robots: impl FnOnce(&DeTable<'_>, &ErrorCollector) -> BTreeMap<String, &'static ArmModel>,
+    read: impl FnOnce(TableReader<'_>) -> T,
+) -> Result<T, CellErrors> {
+    let faults = ErrorCollector::default();
+    let (document, broken) = DeTable::parse_recoverable(text);
+    for error in &broken {
+        let span = error.span().unwrap_or(0..0);
+        faults.add(span, error.message().replace('\n', ": "), None);
+    }
+    let document = document.get_ref();
+    let robots = match broken.is_empty() {
+        true => read_robots(document, &faults),
+        false => BTreeMap::new(),
+    };
+    let faults = faults.with_robots(robots);
+    let found = broken
+        .is_empty()
+        .then(|| read(TableReader::new(document, 0..0, &faults)));
+    let errors = faults.sorted();
+    match found {
+        Some(found) if errors.is_empty() => Ok(found),
+        _ => Err(CellErrors {
+            file: file.to_owned(),
+            text: text.to_owned(),
+            errors,
+        }),
+    }
+}
+
+/// Reads the robot descriptions that the devices of a cell name, and returns their models by path. Errors of a
+/// description are reported at the key that names it. `used` receives the texts of the files.
+fn read_robots(
+    document: &DeTable<'_>,
+    errors: &ErrorCollector,
+    files: &dyn RobotFiles,
+    used: &mut BTreeMap<String, String>,
+) -> BTreeMap<String, &'static ArmModel> {
+    let silent = ErrorCollector::default();
+    let mut reader = TableReader::new(document, 0..0, &silent);
+    let attached = reader.tables("robot_files").into_iter();
+    let attached: BTreeMap<String, String> = attached.filter_map(read_attached).collect();
+    let files = AttachedFiles {
+        attached: &attached,
+        others: files,
+        used: RefCell::new(BTreeMap::new()),
+    };
+    let mut robots = BTreeMap::new();
+    let devices = reader.table("devices");
+    for (_, _, device) in devices.iter().flat_map(TableReader::entries) {
+        let model = device
+            .get_ref()
+            .as_table()
+            .and_then(|table| table.get("model"));
+        let Some((node, path)) = model.and_then(|node| Some((node, node.get_ref().as_str()?)))
+        else {
+            continue;
+        };
+        if !is_robot_file(path) || robots.contains_key(path) {
+            continue;
+        }
+        match RobotDescription::open(path, &files) {
+            Ok(found) => drop(robots.insert(path.to_owned(), found.model)),
+            Err(nested) => errors.add_nested(node.span(), &nested),
+        }
+    }
+    let new = files.used.into_inner().into_iter();
+    used.extend(new.filter(|(path, _)| !attached.contains_key(path)));
+    robots
+}
+
+/// Reads a table `{ path, text }`: a file that is contained in the description of the cell.
+fn read_attached(mut file: TableReader<'_>) -> Option<(String, String)> {
+    let [path, text] = [file.text("path"), file.text("text")];
+    file.require("path", "expected the path as `model` names it");
+    file.require("text", "expected the text of the file");
+    file.finish();
+    Some((path?.to_owned(), text?.to_owned()))
+}
+
 fn read_devices(devices: &TableReader<'_>) -> Vec<DeviceSpec> {
     let mut all = Vec::new();
-    for (name, span, node) in devices.entries() {
-        match TableReader::from_node(node, devices.errors()) {
+    for (name, span, device) in devices.named_tables() {
+        match device {
             Some(device) => all.extend(read_device(name, device)),
             None => {
                 let message = format!("device `{name}` must be a table");
                 devices
-                    .errors()
+                    .errors
                     .add(span, message, Some(format!("write [devices.{name}]")));
             }
         }
@@ -171,19 +257,16 @@ fn read_devices(devices: &TableReader<'_>) -> Vec<DeviceSpec> {
 }
 
 fn read_device(name: &str, mut reader: TableReader<'_>) -> Option<DeviceSpec> {
-    let kinds: Vec<&'static str> = KINDS.iter().map(|(kind, _)| *kind).collect();
-    let Some(kind) = reader.keyword("kind", &kinds) else {
-        if !reader.has("kind") {
-            let help = format!("expected one of {}", kinds.join(", "));
-            reader.error_at("kind", format!("device `{name}` has no `kind`"), Some(help));
-        }
-        return None;
-    };
-    let read = KINDS
-        .iter()
-        .find(|(known, _)| *known == kind)
-        .map(|(_, read)| read)?;
-    let found = read(&mut reader);
+    let kinds: Vec<&'static str> = kind::all().map(|kind| kind.name).collect();
+    if !reader.has("kind") {
+        let help = format!("expected one of {}", kinds.join(", "));
+        reader.error_at("kind", format!("device `{name}` has no `kind`"), Some(help));
+    }
+    let found = reader.variant("kind", &kinds, |reader, word| {
+        let kind = kind::all().find(|kind| kind.name == word)?;
+        // A valid kind with invalid keys is `Some(None)`: then, the other keys are still checked.
+        Some(kind.read(reader))
+    })?;
     reader.finish();
     Some(DeviceSpec {
         name: name.to_owned(),

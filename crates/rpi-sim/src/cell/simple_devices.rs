@@ -1,53 +1,29 @@
-//! Devices with `kind = "base"`, `"gripper"` and `"force-torque"`.
+//! Devices with `kind = "base"`, and small devices, whose keys are in tables.
 
+use super::periods::read_periods;
 use super::quantity::Dimension::{
     Acceleration, Angle, AngularAcceleration, AngularVelocity, Force, Length, Time, Torque,
     Velocity,
 };
 use super::reader::TableReader;
+use crate::kinds::{Key, KeyDefault, KeyType, Setting, Settings, SmallKind, SmallSpec};
 use nalgebra::Vector6;
 
 /// Description of a mobile base with two driven wheels.
 #[derive(Clone, Debug, PartialEq)]
 pub struct BaseSpec {
-    /// Initial pose in the cell: x, y (m), heading (rad).
+    /// Initial position in the cell: x, y (m), heading (rad).
     pub position: [f64; 3],
-    /// Distance between the wheels, in m.
+    /// Distance between the two wheels, in m.
     pub track: f64,
     /// Radius of the wheels, in m.
     pub wheel_radius: f64,
-    /// Limits of forward velocity (m/s) and angular velocity (rad/s).
+    /// Maximum forward velocity (m/s) and angular velocity (rad/s).
     pub velocity: [f64; 2],
-    /// Limits of forward acceleration (m/s²) and angular acceleration (rad/s²).
+    /// Maximum forward acceleration (m/s²) and angular acceleration (rad/s²).
     pub acceleration: [f64; 2],
-}
-
-/// Description of a gripper with two fingers.
-#[derive(Clone, Debug, PartialEq)]
-pub struct GripperSpec {
-    /// Initial opening, in m.
-    pub width: f64,
-    /// Smallest opening, in m.
-    pub lower: f64,
-    /// Largest opening, in m.
-    pub upper: f64,
-    /// Speed of opening and closing, in m/s.
-    pub speed: f64,
-    /// Grip force, in N.
-    pub force: f64,
-    /// Width of an object between the fingers, in m; `None` without an object.
-    pub object: Option<f64>,
-}
-
-/// Description of a force/torque sensor.
-#[derive(Clone, Debug, PartialEq)]
-pub struct ForceSpec {
-    /// Readings with their start times (s): force (N), then torque (N m).
-    pub script: Vec<(f64, Vector6<f64>)>,
-    /// Period of the script, in s; infinity if it does not repeat.
-    pub repeat: f64,
-    /// Standard deviation of each component of a reading, in N or N m.
-    pub noise: f64,
+    /// Number of periods without set-points after which a moving base brakes, at least 1.
+    pub watchdog: u32,
 }
 
 pub(super) fn read_base(reader: &mut TableReader<'_>) -> Option<BaseSpec> {
@@ -71,46 +47,72 @@ pub(super) fn read_base(reader: &mut TableReader<'_>) -> Option<BaseSpec> {
                 .positive("turning_acceleration", AngularAcceleration)
                 .unwrap_or(3.0),
         ],
+        watchdog: read_periods(reader, "watchdog").unwrap_or(1),
     })
 }
 
-pub(super) fn read_gripper(reader: &mut TableReader<'_>) -> Option<GripperSpec> {
-    let lower = reader.magnitude("lower", Length).unwrap_or(0.0);
-    let upper = reader.positive("upper", Length).unwrap_or(0.1);
-    let width = reader.magnitude("width", Length).unwrap_or(upper);
-    if lower >= upper {
-        reader.error_at(
-            "upper",
-            "`upper` must be greater than `lower`".to_owned(),
-            None,
-        );
+/// Reads the keys of a small device (a sensor, or a device with one actuator) of the given kind.
+pub(super) fn read_small(kind: &'static SmallKind, reader: &mut TableReader<'_>) -> SmallSpec {
+    let mut settings = Settings::default();
+    for key in kind.keys() {
+        let default = match key.default {
+            KeyDefault::Number(value) => Some(Setting::Number(value)),
+            KeyDefault::SameAs(other) => settings.optional(other).map(Setting::Number),
+            KeyDefault::Absent(_) => None,
+        };
+        let value = read_setting(key, reader);
+        let number = match key.default {
+            KeyDefault::Number(value) => Some(value),
+            _ => None,
+        };
+        reader.record_description(key.name, || key.schema_description(), number);
+        if let Some(value) = value.or(default) {
+            settings.add(key.name, value);
+        }
     }
-    if !(lower..=upper).contains(&width) {
-        let help = Some(format!("the range is {lower} to {upper} m"));
-        reader.error_at("width", format!("`width` is {width}, out of range"), help);
+    if let Err((key, message)) = (kind.check_settings)(&settings) {
+        reader.error_at(key, message, None);
     }
-    Some(GripperSpec {
-        width,
-        lower,
-        upper,
-        speed: reader.positive("speed", Velocity).unwrap_or(0.1),
-        force: reader.magnitude("force", Force).unwrap_or(20.0),
-        object: reader.magnitude("object", Length),
-    })
+    SmallSpec { kind, settings }
 }
 
-pub(super) fn read_force(reader: &mut TableReader<'_>) -> Option<ForceSpec> {
-    let changes = reader.tables("script").into_iter();
-    let mut script: Vec<(f64, Vector6<f64>)> = changes.map(read_wrench).collect();
+fn read_setting(key: &Key, reader: &mut TableReader<'_>) -> Option<Setting> {
+    let name = key.name;
+    match key.ty {
+        KeyType::NotNegative(dimension) => reader.magnitude(name, dimension).map(Setting::Number),
+        KeyType::Positive(dimension) => reader.positive(name, dimension).map(Setting::Number),
+        KeyType::Periods => {
+            let periods = read_periods(reader, name);
+            periods.map(|periods| Setting::Number(f64::from(periods)))
+        }
+        KeyType::Wrenches => Some(Setting::Wrenches(read_script(reader, name, read_wrench))),
+        KeyType::Switches => Some(Setting::Switches(read_script(reader, name, read_switch))),
+    }
+}
+
+/// Reads a list of tables, each with a time in s, and returns the entries in the order of their times.
+fn read_script<T>(
+    reader: &mut TableReader<'_>,
+    key: &'static str,
+    read: fn(TableReader<'_>) -> (f64, T),
+) -> Vec<(f64, T)> {
+    let changes = reader.tables(key).into_iter();
+    let mut script: Vec<(f64, T)> = changes.map(read).collect();
     script.sort_by(|one, other| one.0.total_cmp(&other.0));
-    Some(ForceSpec {
-        script,
-        repeat: reader.magnitude("repeat", Time).unwrap_or(f64::INFINITY),
-        noise: reader.magnitude("noise", Force).unwrap_or(0.0),
-    })
+    script
 }
 
-/// Reads `{ at = time, force = [x, y, z], torque = [x, y, z] }`. Missing keys are 0.
+/// Reads a table `{ at = time, value = true or false }` of a script.
+fn read_switch(mut reader: TableReader<'_>) -> (f64, bool) {
+    let at = reader.magnitude("at", Time).unwrap_or(0.0);
+    let value = reader.boolean("value");
+    reader.require("value", "expected true or false");
+    reader.finish();
+    (at, value.unwrap_or_default())
+}
+
+/// Reads a table `{ at = time, force = [x, y, z], torque = [x, y, z] }` of a script, in s, N and N m. Missing keys are
+/// 0.
 fn read_wrench(mut reader: TableReader<'_>) -> (f64, Vector6<f64>) {
     let at = reader.magnitude("at", Time).unwrap_or(0.0);
     let force = reader

@@ -1,6 +1,6 @@
 //! Suggestions for misspelt words.
 
-/// The word of `known` nearest to `word`; `None` if none is near enough.
+/// Returns the word of `known` nearest to the misspelt `word`, by edit distance; `None` if none is near enough.
 pub(super) fn nearest<'a>(word: &str, known: &[&'a str]) -> Option<&'a str> {
     let ranked = known
         .iter()
@@ -9,7 +9,8 @@ pub(super) fn nearest<'a>(word: &str, known: &[&'a str]) -> Option<&'a str> {
     (distance <= (word.chars().count() / 3).max(1)).then_some(candidate)
 }
 
-/// Edit distance with insertions, deletions, substitutions and transpositions of neighbours (optimal string alignment).
+/// Returns the edit distance of two words: the number of insertions, deletions, substitutions and transpositions of
+/// neighbours (optimal string alignment).
 fn edit_distance(one: &str, other: &str) -> usize {
     let (one, other): (Vec<char>, Vec<char>) = (one.chars().collect(), other.chars().collect());
     let mut rows: Vec<Vec<usize>> = vec![(0..=other.len()).collect()];

@@ -165,3 +165,55 @@ fn rig_follows(rig: &mut Rig, axis: usize) -> f64 {
         });
     rig.position(axis) + TICK * (velocity + TICK * acceleration)
 }
+
+/// Moves an axis at constant speed and loses set-points from tick 100 on. Returns the number of ticks until it brakes.
+fn ticks_until_brake(cell: &str, lost: i32) -> Option<i32> {
+    let mut rig = Rig::new(cell);
+    let mut last = [0.0; 2];
+    for position in speed_up(20.0, 100) {
+        last = [last[1], position];
+        rig.all(std::array::from_fn(
+            |axis| if axis == 0 { position } else { 0.0 },
+        ));
+    }
+    let step = last[1] - last[0];
+    for tick in 0..lost {
+        rig.bank.step();
+        if rig.error(0) == ErrorCode::SET_POINT_MISSING {
+            return Some(tick + 1);
+        }
+        last = [last[1], last[1] + step];
+        let bridged = rig.position(0);
+        assert!((bridged - last[1]).abs() < 1e-9, "{bridged} {}", last[1]);
+    }
+    // The next set-point of the same motion is accepted, and the count starts again.
+    rig.all(std::array::from_fn(|axis| {
+        if axis == 0 { last[1] + step } else { 0.0 }
+    }));
+    None
+}
+
+#[test]
+fn a_watchdog_bridges_as_many_periods_as_the_cell_says() {
+    assert_eq!(ticks_until_brake("", 1), Some(1), "one by default");
+    let three = "watchdog = 3";
+    assert_eq!(ticks_until_brake(three, 2), None);
+    assert_eq!(ticks_until_brake(three, 10), Some(3));
+}
+
+#[test]
+fn a_watchdog_does_not_bridge_beyond_a_limit() {
+    let mut rig = Rig::new("watchdog = 1000\nlimits = { upper = 0.05 }");
+    for position in speed_up(20.0, 100) {
+        rig.all(std::array::from_fn(
+            |axis| if axis == 0 { position } else { 0.0 },
+        ));
+    }
+    (0..1100).for_each(|_| rig.bank.step());
+    let reports = rig.reports();
+    let missing = |report: &&rpi_sim::Report| report.code == ErrorCode::SET_POINT_MISSING;
+    let braked = reports.iter().find(missing).expect("it brakes");
+    assert!((0.9..1.1).contains(&braked.time), "{braked:?}");
+    // The brake begins at the end of the range, so that only its own way is beyond.
+    assert!((0.05..0.053).contains(&rig.position(0)));
+}

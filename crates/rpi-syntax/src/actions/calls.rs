@@ -26,7 +26,8 @@ pub(crate) fn activate(
     }
 }
 
-/// Builds a conversion as a call: `int8 x`, `sint@<25> x`. The expression begins at `l`.
+/// Builds a conversion to a machine integer, `int8 x` or `sint@<25> x`, as a call. `l` is the byte offset of its first
+/// character.
 pub(crate) fn conversion(
     cx: &ParseContext<'_>,
     l: u32,
@@ -44,7 +45,8 @@ pub(crate) fn conversion(
     call_expr(cx, l, call(*callee, Activation::Always, args), r)
 }
 
-/// Builds `any { x: T | c }`. The type begins at `p`.
+/// Builds the expression `any { x: T | c }` of Kind 2, a value that satisfies a condition. `p` is the byte offset of
+/// its type.
 pub(crate) fn any_value(
     cx: &ParseContext<'_>,
     name: Ident,
@@ -60,7 +62,7 @@ pub(crate) fn any_value(
     call_expr(cx, l, call, r)
 }
 
-/// Builds a number among type arguments: `uint<32>`.
+/// Builds a static argument from a number literal among type arguments, as in `uint<32>`. `l..r` is its byte range.
 pub(crate) fn static_number(cx: &ParseContext<'_>, l: u32, r: u32) -> Box<StaticArg> {
     let number = exprs::number(cx, l, r);
     let value = exprs::expr(cx, l, ExprKind::Number(number), r);

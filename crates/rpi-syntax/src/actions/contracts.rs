@@ -18,7 +18,8 @@ pub(crate) enum ContractPart {
     Broken,
 }
 
-/// Builds ghost variables of a contract. Several names with one value, `var x, y: int = e;`, share one equation.
+/// Builds ghost variables of a contract, which only contracts refer to. Several names with one value,
+/// `var x, y: int = e;`, share one equation.
 pub(crate) fn ghost_vars(mut vars: Vec<VarDecl>) -> ContractPart {
     let value = match &mut vars[..] {
         [one] if one.names.len() > 1 => one.default.take(),
@@ -30,7 +31,7 @@ pub(crate) fn ghost_vars(mut vars: Vec<VarDecl>) -> ContractPart {
     }
 }
 
-/// Builds ghost variables of different types with one value: `var x: int, y: bool = e;`.
+/// Builds ghost variables of a contract with different types and one value: `var x: int, y: bool = e;`.
 pub(crate) fn ghost_tuple(first: Box<VarDecl>, rest: Vec<VarDecl>, value: Expr) -> ContractPart {
     ghost_tuple_from_vars(with_elements(vec![*first], rest), value)
 }
@@ -69,7 +70,7 @@ pub(crate) fn claim(
     })
 }
 
-/// Returns the empty body of a `contract` declaration.
+/// Returns an empty body, the definition of a declaration with the keyword `contract`.
 pub(crate) fn contract_body() -> NodeDef {
     let (locals, statements) = (Vec::new(), Vec::new());
     NodeDef::Body(Body { locals, statements })

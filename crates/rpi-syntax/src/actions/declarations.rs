@@ -63,7 +63,7 @@ pub(crate) fn node(
     })
 }
 
-/// Sets the clock of all variables without a clock: `(x: int; y: int) when c`.
+/// Sets `clock` as the clock of all variables that have none, as in `(x: int; y: int) when c`.
 pub(crate) fn with_clock(mut vars: Vec<VarDecl>, clock: Clock) -> Vec<VarDecl> {
     for var in &mut vars {
         var.clock.get_or_insert_with(|| clock.clone());
@@ -165,7 +165,8 @@ pub(crate) fn var_decl(
     })
 }
 
-/// Builds a declaration with a condition of Kind 2: `x: int | x > 0`, short for `x: subtype { x: int | x > 0 }`.
+/// Builds a variable declaration with a condition (Kind 2): `x: int | x > 0`, short for
+/// `x: subtype { x: int | x > 0 }`.
 pub(crate) fn refined_decl(
     cx: &ParseContext<'_>,
     l: u32,
@@ -203,7 +204,8 @@ pub(crate) fn const_port(
     port
 }
 
-/// Builds a constant definition from a broken phrase, without a known type or value.
+/// Builds a constant definition for the byte range `l..r`, which has a syntax error. Its type is an error type, and it
+/// has no value.
 pub(crate) fn broken_const_def(cx: &ParseContext<'_>, l: u32, r: u32) -> Box<ConstDef> {
     let ty = broken_type(cx.span(l, r));
     const_def(cx, l, cx.error_names(l), Some(ty), None, r)
@@ -229,7 +231,7 @@ pub(crate) fn clock(
     })
 }
 
-/// Returns the placeholder name `_` for a node without a name, whose error has been reported.
+/// Returns the placeholder name `_` for a declaration whose name is missing. The error has been reported.
 fn placeholder_name(cx: &ParseContext<'_>, span: Span) -> Ident {
     Ident {
         name: cx.intern("_"),

@@ -16,7 +16,8 @@ pub(crate) fn expr(cx: &ParseContext<'_>, l: u32, kind: ExprKind, r: u32) -> Exp
     }
 }
 
-/// Builds the conditional prefix `when c then x else` that begins at `l`. Only Lustre files accept it.
+/// Builds the prefix of a conditional expression written with `when`: `when c then x else`. It begins at byte offset
+/// `l`. Only Lustre files accept it.
 pub(crate) fn when_as_if(cx: &ParseContext<'_>, l: u32, condition: Expr, yes: Expr) -> Prefix {
     if cx.dialect == Dialect::Rpi {
         cx.report(validation::when_as_if(cx.span(l, l + 4)));
@@ -43,7 +44,7 @@ pub(crate) fn quantity(cx: &ParseContext<'_>, l: u32, number: Number, unit: Unit
     expr(cx, l, ExprKind::Quantity(quantity), r)
 }
 
-/// Builds a percentage: `60%`. The `%` begins at `sign`.
+/// Builds a percentage such as `60%`, a number with the unit `%`. `sign` is the byte offset of the `%`.
 pub(crate) fn percent(cx: &ParseContext<'_>, l: u32, number: Number, sign: u32, r: u32) -> Expr {
     let unit = cx.ident(sign, r);
     let span = unit.span;
@@ -74,7 +75,7 @@ pub(crate) fn slice_of(
     )
 }
 
-/// Builds a bit slice of Kind 2: `base[high:low]`.
+/// Builds a bit range of a machine integer (Kind 2): `base[high:low]`.
 pub(crate) fn bits(
     cx: &ParseContext<'_>,
     l: u32,
@@ -86,13 +87,14 @@ pub(crate) fn bits(
     let bits = BitRange { base, high, low };
     if cx.dialect != Dialect::Lustre {
         cx.report(validation::unsupported_bit_range(
-            bits.high.span.merge(bits.low.span),
+            bits.high.span,
+            bits.low.span,
         ));
     }
     expr(cx, l, ExprKind::BitRange(Box::new(bits)), r)
 }
 
-/// Builds an update of Kind 2: `base[0 := x; 1 := y]`.
+/// Builds an update of elements of an array (Kind 2): `base[0 := x; 1 := y]`.
 pub(crate) fn keyed_update(
     cx: &ParseContext<'_>,
     l: u32,
@@ -152,7 +154,8 @@ pub(crate) fn merge(
     )
 }
 
-/// Builds a Boolean `merge` without case names: `merge(c; x; y)`.
+/// Builds a `merge` over a Boolean flow without case names: `merge(c; x; y)`, where `x` is used if `c` is true, else
+/// `y`.
 pub(crate) fn merge_bool(
     cx: &ParseContext<'_>,
     l: u32,
@@ -190,7 +193,7 @@ pub(crate) fn struct_expr(
     expr(cx, l, ExprKind::Struct(Box::new(value)), r)
 }
 
-/// Builds an expression with a type ascription: `(x: T)`.
+/// Builds an expression with an explicit type: `(x: T)`.
 pub(crate) fn ascription(cx: &ParseContext<'_>, l: u32, value: Expr, ty: Type, r: u32) -> Expr {
     expr(
         cx,
@@ -200,7 +203,7 @@ pub(crate) fn ascription(cx: &ParseContext<'_>, l: u32, value: Expr, ty: Type, r
     )
 }
 
-/// Builds a test for a constructor: `A?(x)`.
+/// Builds the test of whether a value was made by a constructor: `A?(x)`.
 pub(crate) fn constructor_test(
     cx: &ParseContext<'_>,
     l: u32,
@@ -226,7 +229,7 @@ pub(crate) fn match_expr(
     expr(cx, l, ExprKind::Match(Box::new(Match { value, arms })), r)
 }
 
-/// Builds an empty set: `{}@<T>`.
+/// Builds an empty set of a given element type: `{}@<T>`.
 pub(crate) fn empty_set(cx: &ParseContext<'_>, l: u32, types: Vec<StaticArg>, r: u32) -> Expr {
     expr(cx, l, ExprKind::EmptySet(types.into()), r)
 }

@@ -15,7 +15,7 @@ pub(crate) fn with_element<T>(mut list: Vec<T>, element: T) -> Vec<T> {
     list
 }
 
-/// Returns a list with further elements at its end, for rules of the grammar with repetition.
+/// Returns `list` followed by the elements of `more`.
 pub(crate) fn with_elements<T>(mut list: Vec<T>, more: impl IntoIterator<Item = T>) -> Vec<T> {
     list.extend(more);
     list

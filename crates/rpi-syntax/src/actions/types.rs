@@ -7,7 +7,7 @@ use crate::ast::*;
 use crate::context::ParseContext;
 use crate::validation;
 
-/// Returns the inverse of a unit factor, as after `/`.
+/// Returns a factor of a unit with the negated exponent, as needed after `/` in `m/s`.
 pub(crate) fn inverse(factor: UnitFactor) -> UnitFactor {
     UnitFactor {
         power: -factor.power,
@@ -22,7 +22,8 @@ pub(crate) fn dotted(dotted: Dotted, name: Ident) -> Dotted {
     }
 }
 
-/// Checks the number at the beginning of a unit, which must be 1 as in `1/s`.
+/// Reports an error unless the number at `l..r`, which begins a unit, is 1, as in `1/s`. Returns the factors of the
+/// unit `1`, which are none.
 pub(crate) fn unit_one(cx: &ParseContext<'_>, l: u32, r: u32) -> Vec<UnitFactor> {
     if cx.slice(l, r) != "1" {
         cx.report(validation::number_as_unit(cx.span(l, r), cx.text));
@@ -30,7 +31,7 @@ pub(crate) fn unit_one(cx: &ParseContext<'_>, l: u32, r: u32) -> Vec<UnitFactor>
     Vec::new()
 }
 
-/// Returns the exponent of a unit, or reports it if it is above 99.
+/// Returns the exponent of a unit at the byte range `l..r`. An exponent above 99 is reported and replaced by 1.
 pub(crate) fn power(cx: &ParseContext<'_>, l: u32, r: u32) -> i32 {
     let power = cx.slice(l, r).parse().ok().filter(|p| *p <= 99);
     power.unwrap_or_else(|| {
@@ -39,7 +40,8 @@ pub(crate) fn power(cx: &ParseContext<'_>, l: u32, r: u32) -> i32 {
     })
 }
 
-/// Builds a real type with a unit: `real[m]`. A number, `real[3]`, has been reported and gives an error type.
+/// Builds a real type with a unit: `real[m]`. A number in place of the unit, `real[3]`, gives an error type; its error
+/// has been reported.
 pub(crate) fn real_type(cx: &ParseContext<'_>, l: u32, unit: Unit, r: u32) -> Type {
     let is_number = unit.factors.is_empty() && cx.slice(unit.span.start, unit.span.end) != "1";
     let kind = match is_number {

@@ -8,17 +8,17 @@ use rpi_diag::Span;
 pub struct VarDecl {
     /// Doc comment before the declaration.
     pub doc: Option<Doc>,
-    /// Whether the port is declared `const`: its value is fixed at load time (Kind 2).
+    /// Whether the port is declared `const`: its value is fixed when the program is loaded (Kind 2).
     pub is_const: bool,
-    /// Names, at least one.
+    /// Declared names, in text order; at least one.
     pub names: Vec<Ident>,
     /// Type of the variables.
     pub ty: Type,
-    /// Clock of the variables.
+    /// Clock of the variables; absent without `when`.
     pub clock: Option<Clock>,
     /// Value where nothing else defines the flow, such as an omitted argument.
     pub default: Option<Expr>,
-    /// Source range.
+    /// Range of the whole construct in the source text.
     pub span: Span,
 }
 
@@ -28,17 +28,17 @@ pub struct VarDecl {
 pub struct ConstDef {
     /// Doc comment before the definition.
     pub doc: Option<Doc>,
-    /// Names, at least one.
+    /// Declared names, in text order; at least one.
     pub names: Vec<Ident>,
     /// Type of the constants; inferred if absent.
     pub ty: Option<Type>,
     /// Value of the constants; absent if they are external.
     pub value: Option<Expr>,
-    /// Source range.
+    /// Range of the whole construct in the source text.
     pub span: Span,
 }
 
-/// Body: local declarations and `let ... tel`.
+/// Body of a node, fragment, command, state or test: local declarations and `let ... tel`.
 #[derive(Clone, PartialEq, Debug, Default)]
 pub struct Body {
     /// `var` and `const` sections before `let`.
@@ -50,9 +50,9 @@ pub struct Body {
 /// Section of local declarations.
 #[derive(Clone, PartialEq, Debug)]
 pub enum Locals {
-    /// `var x: int; y: bool;`
+    /// Declarations of local flows: `var x: int; y: bool;`
     Var(Vec<VarDecl>),
-    /// `const n = 3;`
+    /// Definitions of local constants: `const n = 3;`
     Const(Vec<ConstDef>),
 }
 
@@ -61,47 +61,47 @@ pub enum Locals {
 pub struct Statement {
     /// Doc comment before the statement.
     pub doc: Option<Doc>,
-    /// Form of the statement, with its parts.
+    /// Form of the statement (equation, claim, automaton, ...), with its parts.
     pub kind: StatementKind,
-    /// Source range, `;` included.
+    /// Range of the whole construct in the source text, `;` included.
     pub span: Span,
 }
 
 /// Forms of statements in a body, each with its syntax tree.
 #[derive(Clone, PartialEq, Debug)]
 pub enum StatementKind {
-    /// Equation: `x, y = e;`
+    /// Equation, which defines one or several flows: `x, y = e;`
     Equation(Box<Equation>),
-    /// `f(x);`: call for its side effect; the expression is an [`ExprKind::Call`](super::ExprKind::Call)
+    /// Call for its side effect: `f(x);`. The expression is an [`ExprKind::Call`](super::ExprKind::Call).
     Call(Box<Expr>),
-    /// `assert e;`, `assume e;`, `guarantee e;`, `check e;`
+    /// Claim about the program: `assert e;`, `assume e;`, `guarantee e;`, `check e;`
     Claim(Box<Claim>),
-    /// `finish r when c;`, `yield ...`, `fail ...`
+    /// Result of a command with its condition: `finish r when c;`, `yield ...`, `fail ...`
     CommandEnd(Box<CommandEnd>),
-    /// `export x, y.z;`
+    /// Flows that are visible outside of the command: `export x, y.z;`
     Export(Vec<Dotted>),
-    /// Fragment declared in a body.
+    /// Local fragment: a net of its own that is active only while its condition holds.
     Fragment(Box<FragmentDecl>),
     /// State machine: `automaton ... end`
     Automaton(Box<Automaton>),
-    /// `if c then x = 1; else x = 2; fi` (Kind 2)
+    /// Block of equations under conditions: `if c then x = 1; else x = 2; fi` (Kind 2)
     Conditional(Box<ConditionalBlock>),
-    /// `frame (x) x = 0; let ... tel` (Kind 2)
+    /// Block of flows with initial values: `frame (x) x = 0; let ... tel` (Kind 2)
     FrameBlock(Box<FrameBlock>),
-    /// Statement with an error; the names that it seems to define
+    /// Placeholder for a statement with a syntax error, with the names that it seems to define.
     Error(Vec<Ident>),
 }
 
 /// Block of equations under conditions (Kind 2), in one of the notations of [`ConditionalKeyword`].
 #[derive(Clone, PartialEq, Debug)]
 pub struct ConditionalBlock {
-    /// Notation of the block.
+    /// Keyword with which the block is written.
     pub keyword: ConditionalKeyword,
     /// Branches in text order, at least one.
     pub branches: Vec<BlockBranch>,
-    /// Statements of the `else` branch.
+    /// Statements of the `else` branch; absent without `else`.
     pub else_statements: Option<Vec<Statement>>,
-    /// Equivalent equations, one for each flow.
+    /// Equations, one for each flow, that have the same meaning as the block.
     pub desugared: Desugared,
 }
 
@@ -119,13 +119,14 @@ pub enum ConditionalKeyword {
 /// Branch of a [`ConditionalBlock`].
 #[derive(Clone, PartialEq, Debug)]
 pub struct BlockBranch {
-    /// Condition of the branch.
+    /// Boolean condition under which the statements of the branch define their flows.
     pub condition: Expr,
-    /// Statements of the branch.
+    /// Statements of the branch, which apply while its condition holds.
     pub statements: Vec<Statement>,
 }
 
-/// Frame block, `frame (names) initial let statements tel` (Kind 2).
+/// Frame block of Kind 2, `frame (names) initial let statements tel`: equations for flows with previous values as
+/// defaults.
 #[derive(Clone, PartialEq, Debug)]
 pub struct FrameBlock {
     /// Flows that keep their values if no equation of the block defines them.
@@ -134,24 +135,24 @@ pub struct FrameBlock {
     pub initial: Vec<Statement>,
     /// Statements that define the flows.
     pub statements: Vec<Statement>,
-    /// Equivalent equations, one for each flow.
+    /// Equations, one for each flow, that have the same meaning as the block.
     pub desugared: Desugared,
 }
 
-/// Equations that a block is short for, and the errors found in it.
+/// Translation of a block of Kind 2: equations with the same meaning, and the errors found during the translation.
 #[derive(Clone, PartialEq, Debug, Default)]
 pub struct Desugared {
-    /// Equations with their source ranges.
+    /// Equations, each with the source range of the statement that it comes from.
     pub equations: Vec<(Equation, Span)>,
     /// Errors found while the block was translated to equations.
     pub errors: Vec<BlockError>,
 }
 
-/// Error in a block of equations.
+/// Error found while a block of equations is translated to separate equations.
 #[derive(Clone, PartialEq, Debug)]
 pub enum BlockError {
-    /// A branch does not define a flow: the flow as defined in another branch, and the place of the branch.
-    MissingDefinition(Ident, Span),
+    /// A branch does not define a flow: the flow as defined in another branch, and the branch.
+    MissingDefinition(Ident, MissingBranch),
     /// A statement is neither an equation nor a block: its place, and a description.
     NotAnEquation(Span, &'static str),
     /// An equation defines a flow that the `frame` does not list.
@@ -160,23 +161,46 @@ pub enum BlockError {
     DuplicateDefinition(Ident, Span),
 }
 
+/// Branch of a block of equations that does not define a flow.
+#[derive(Clone, Copy, PartialEq, Debug)]
+pub enum MissingBranch {
+    /// The branch of the condition at this place.
+    Condition(Span),
+    /// The `else` of a block; the place is that of its first statement.
+    Else(Span),
+    /// The block has no `else`; the place is that of the last condition.
+    NoElse(Span),
+}
+
+impl MissingBranch {
+    /// Returns the place that stands for the branch.
+    #[must_use]
+    pub fn span(self) -> Span {
+        match self {
+            MissingBranch::Condition(span)
+            | MissingBranch::Else(span)
+            | MissingBranch::NoElse(span) => span,
+        }
+    }
+}
+
 /// Equation: `x, arm.tcp, a[2] = value`.
 #[derive(Clone, PartialEq, Debug)]
 pub struct Equation {
     /// Left side; empty in `() = f(x)`.
     pub targets: Vec<Target>,
-    /// Right side.
+    /// Expression on the right side of `=`.
     pub value: Expr,
 }
 
 /// Left side of an equation: a flow, or a part of one.
 #[derive(Clone, PartialEq, Debug)]
 pub struct Target {
-    /// Flow or device.
+    /// Name of the flow or device that is defined.
     pub name: Ident,
     /// Path to the part; empty for the whole flow.
     pub path: Vec<Access>,
-    /// Source range.
+    /// Range of the whole construct in the source text.
     pub span: Span,
 }
 
@@ -185,11 +209,11 @@ pub struct Target {
 pub struct Claim {
     /// Keyword that introduces the claim.
     pub kind: ClaimKind,
-    /// Label: `assume "sensor range" x < 5.0`.
+    /// Name of the claim in messages, as in `assume "sensor range" x < 5.0`; absent if not written.
     pub label: Option<Ident>,
-    /// Claimed condition.
+    /// Condition that is claimed to hold.
     pub condition: Expr,
-    /// `provided c`: condition under which the claim must hold (Kind 2).
+    /// Condition under which the claim must hold, `provided c` (Kind 2); absent if it must always hold.
     pub provided: Option<Expr>,
 }
 
@@ -208,25 +232,25 @@ pub enum ClaimKind {
     Guarantee,
 }
 
-/// Result of a command: `finish result when condition`.
+/// Statement of a result of a command: `finish result when condition`.
 #[derive(Clone, PartialEq, Debug)]
 pub struct CommandEnd {
-    /// How the command ends.
+    /// Keyword of the result: `finish`, `fail` or `yield`.
     pub kind: CommandEndKind,
-    /// Name of the result.
+    /// Name of the result with which the command ends.
     pub result: Ident,
-    /// Condition under which the command ends.
+    /// Condition under which the command ends with the result.
     pub condition: Expr,
 }
 
-/// Keyword of a [`CommandEnd`]: whether the robot is at rest, in motion, or the command has failed.
+/// Keyword of a [`CommandEnd`]: whether the command ends at rest, in motion, or with an error.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub enum CommandEndKind {
-    /// `finish`: with all motion at rest.
+    /// `finish`: the command ends with all motion at rest.
     Finish,
-    /// `yield`: possibly in motion, for a takeover by the successor.
+    /// `yield`: the command ends, possibly in motion, and its successor takes over.
     Yield,
-    /// `fail`: with an error.
+    /// `fail`: the command ends with an error.
     Fail,
 }
 
@@ -242,30 +266,30 @@ pub struct Automaton {
 pub struct State {
     /// Doc comment before the state.
     pub doc: Option<Doc>,
-    /// Whether the automaton begins in this state.
+    /// Whether the automaton starts in this state.
     pub is_initial: bool,
     /// Name of the state.
     pub name: Ident,
-    /// Strong transitions, evaluated in each cycle before the body.
+    /// Strong transitions, evaluated in each cycle before the body; the target state is active in the same cycle.
     pub unless: Vec<Transition>,
-    /// Equations that are active in the state.
+    /// Local declarations and equations that are active while the automaton is in the state.
     pub body: Body,
     /// Weak transitions, which take effect in the next cycle.
     pub until: Vec<Transition>,
-    /// Source range.
+    /// Range of the whole construct in the source text.
     pub span: Span,
 }
 
 /// Transition, one alternative of an `unless` or `until`: `condition then target`.
 #[derive(Clone, PartialEq, Debug)]
 pub struct Transition {
-    /// Condition; absent for `otherwise`.
+    /// Condition of the transition; absent for `otherwise`, which applies if no earlier transition does.
     pub condition: Option<Expr>,
-    /// Whether the transition is written with `continue` instead of `then`: the target state resumes with its previous
-    /// memory.
+    /// Whether the transition is written with `continue` instead of `then`: the target state continues with its
+    /// previous memory instead of its initial values.
     pub resumes: bool,
-    /// Next state.
+    /// Name of the state that the transition makes active.
     pub target: Ident,
-    /// Source range.
+    /// Range of the whole construct in the source text.
     pub span: Span,
 }

@@ -26,7 +26,7 @@ impl Dotted {
 }
 
 impl Unit {
-    /// Creates a unit from its factors and their exponents: `[("m", 1), ("s", -2)]`.
+    /// Creates a unit from names of base units and their exponents: `[("m", 1), ("s", -2)]` is m/s^2.
     pub fn synthetic<'a>(factors: impl IntoIterator<Item = (&'a str, i32)>) -> Unit {
         let factor = |(unit, power): (&str, i32)| UnitFactor {
             unit: Ident::synthetic(unit),
@@ -40,7 +40,7 @@ impl Unit {
 }
 
 impl Number {
-    /// Creates the shortest real literal that parses back to the value.
+    /// Creates the real literal with the fewest digits that parses back to `value`.
     ///
     /// Returns [`None`] for values without a literal: negative (also -0), infinite or NaN.
     pub fn from_real(value: f64) -> Option<Number> {
@@ -68,12 +68,12 @@ impl From<ExprKind> for Expr {
 }
 
 impl Expr {
-    /// Creates `true` or `false`.
+    /// Creates the literal `true` or `false`.
     pub fn bool(value: bool) -> Expr {
         ExprKind::Bool(value).into()
     }
 
-    /// Creates an integer; a negative value is a negated literal.
+    /// Creates an integer literal; a negative value becomes the negation of a literal.
     pub fn int(value: i64) -> Expr {
         let literal = ExprKind::Number(Number::from_int(value.unsigned_abs())).into();
         match value < 0 {
@@ -82,8 +82,8 @@ impl Expr {
         }
     }
 
-    /// Creates a real; a negative value (also -0) is a negated literal. Returns [`None`] for infinities and NaN, which
-    /// have no literal.
+    /// Creates a real literal; a negative value (also -0) becomes the negation of a literal. Returns [`None`] for
+    /// infinities and NaN, which have no literal.
     pub fn real(value: f64) -> Option<Expr> {
         let literal: Expr = ExprKind::Number(Number::from_real(value.abs())?).into();
         Some(match value.is_sign_negative() {
@@ -97,7 +97,7 @@ impl Expr {
         ExprKind::Str(text.into()).into()
     }
 
-    /// Creates a reference to a name: `x`, `Core::Pi`.
+    /// Creates a reference to a plain or qualified name: `x`, `Core::Pi`.
     pub fn name(name: impl Into<Name>) -> Expr {
         ExprKind::Name(name.into()).into()
     }
@@ -200,7 +200,7 @@ impl From<TypeKind> for Type {
 }
 
 impl Type {
-    /// Returns the syntax tree of a type that is referred to by its name.
+    /// Returns the syntax tree of a type that is written by its name, without static arguments or frames.
     pub fn named(name: impl Into<Name>) -> Type {
         TypeKind::Named(Box::new(NamedType {
             name: Ident::synthetic(name),

@@ -3,8 +3,8 @@
 use super::{Access, Activation, Call, Expr, ExprKind, SliceBounds};
 
 impl Expr {
-    /// Returns the direct subexpressions in text order, but conditions of activation come before the arguments of a
-    /// call. Static arguments are left out, as they are not flows.
+    /// Returns the direct subexpressions in text order, except that the activation conditions of a call come before its
+    /// arguments. Static arguments are left out, as they are not flows.
     pub fn children(&self) -> Vec<&Expr> {
         match &self.kind {
             ExprKind::Bool(_)
@@ -56,7 +56,7 @@ fn bound_exprs(slice: &SliceBounds) -> Vec<&Expr> {
         .collect()
 }
 
-/// Returns the indices and slice bounds of a path.
+/// Returns the index expressions and slice bounds in a path such as `.f[i][1..3]`, in text order.
 pub(super) fn path_exprs(path: &[Access]) -> Vec<&Expr> {
     let step = |access| match access {
         &Access::Field(_) => Vec::new(),

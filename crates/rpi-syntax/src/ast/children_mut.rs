@@ -3,7 +3,7 @@
 use super::{Access, Activation, Call, Expr, ExprKind, SliceBounds};
 
 impl Expr {
-    /// Calls `change` with every subexpression and the expression itself, innermost first.
+    /// Calls `change` with every nested subexpression and with the expression itself, innermost first.
     pub(crate) fn for_each_mut(&mut self, change: &mut impl FnMut(&mut Expr)) {
         for part in self.children_mut() {
             part.for_each_mut(change);
@@ -11,7 +11,7 @@ impl Expr {
         change(self);
     }
 
-    /// Returns the direct subexpressions.
+    /// Returns the direct subexpressions for modification.
     pub(crate) fn children_mut(&mut self) -> Vec<&mut Expr> {
         match &mut self.kind {
             ExprKind::Bool(_)

@@ -10,60 +10,61 @@ use rpi_diag::Span;
 pub struct Item {
     /// Doc comment before the declaration.
     pub doc: Option<Doc>,
-    /// Kind of the declaration.
+    /// Form of the declaration (`node`, `type`, `command`, ...), with its parts.
     pub kind: ItemKind,
-    /// Source range.
+    /// Range of the whole construct in the source text.
     pub span: Span,
 }
 
 /// Forms of declarations in a file, each with its syntax tree.
 #[derive(Clone, PartialEq, Debug)]
 pub enum ItemKind {
-    /// `use motion, logic;`
+    /// Imports of modules: `use motion, logic;`
     Use(Vec<Ident>),
-    /// `include "file.lus"`
+    /// Inclusion of another file: `include "file.lus"`
     Include(Ident),
-    /// `const a: int = 1; b = 2;`
+    /// Definitions of constants: `const a: int = 1; b = 2;`
     Const(Vec<ConstDef>),
-    /// `type T = int; U = enum { A, B };`
+    /// Definitions of types: `type T = int; U = enum { A, B };`
     Type(Vec<TypeDef>),
-    /// `node`, `function`
+    /// Declaration of a `node`, `function` or `contract`.
     Node(Box<NodeDecl>),
-    /// Declaration of a `fragment`, a net that may be inactive.
+    /// Declaration of a `fragment`: a net that is active only while its condition holds.
     Fragment(Box<FragmentDecl>),
-    /// Declaration that adds units and frames to a `primitive` of the core.
+    /// Declaration of a `primitive`, which adds units and coordinate frames to the ports of a basic operation of the
+    /// control core.
     Primitive(Box<PrimitiveDecl>),
     /// Declaration of a `device` type.
     Device(Box<DeviceDecl>),
-    /// `frame a, b in c = pose;`
+    /// Declaration of coordinate frames: `frame a, b in c = pose;`
     Frame(Box<FrameDecl>),
     /// Declaration of a `command`, which the control core runs.
     Command(Box<CommandDecl>),
     /// Declaration of a `task`, a program of commands.
     Task(Box<TaskDecl>),
-    /// `test "name" let ... tel`
+    /// Declaration of a test: `test "name" let ... tel`
     Test(Box<TestDecl>),
-    /// Declaration with an error that left nothing to check; the names that it seems to declare
+    /// Placeholder for a declaration with a syntax error, with the names that it seems to declare.
     Error(Vec<DeclaredName>),
 }
 
-/// Name that a declaration with an error seems to declare.
+/// Name that a declaration with a syntax error seems to declare. Uses of the name then cause no further errors.
 #[derive(Clone, PartialEq, Debug)]
 pub struct DeclaredName {
     /// Kind of the declared entity, by the keyword of the declaration.
     pub kind: DeclaredKind,
-    /// Declared name.
+    /// Name that the declaration introduces.
     pub name: Ident,
 }
 
-/// Kind of a [`DeclaredName`] name.
+/// Kind of entity that a [`DeclaredName`] denotes.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub enum DeclaredKind {
     /// A constant, declared by `const`.
     Const,
     /// A type, declared by `type`.
     Type,
-    /// Declared by `node`, `function`, `fragment` or `primitive`.
+    /// A callable, declared by `node`, `function`, `fragment` or `primitive`.
     Callable,
     /// A device type, declared by `device`.
     Device,
@@ -75,31 +76,31 @@ pub enum DeclaredKind {
     Task,
 }
 
-/// Type definition: `T = definition`. Without a definition the type is external.
+/// Definition of a type: `T = definition`. Without a right side, the type is defined outside of the program.
 #[derive(Clone, PartialEq, Debug)]
 pub struct TypeDef {
     /// Doc comment before the definition.
     pub doc: Option<Doc>,
-    /// Declared name.
+    /// Name of the type.
     pub name: Ident,
     /// Type parameters: `<T; U>` (Kind 2).
     pub statics: Vec<StaticParam>,
-    /// Defining type; absent if the type is external.
+    /// Type on the right side; absent if the type is defined outside of the program.
     pub ty: Option<Type>,
-    /// Source range.
+    /// Range of the whole construct in the source text.
     pub span: Span,
 }
 
-/// Signature of a callable: name, static parameters and ports.
+/// Signature of a node, function, fragment or primitive: name, static parameters and ports.
 #[derive(Clone, PartialEq, Debug)]
 pub struct Signature {
-    /// Declared name; may be qualified for a primitive.
+    /// Declared name. The name of a primitive may be qualified, as in `Core::Clock`.
     pub name: Ident,
-    /// Static parameters: `<<...>>`.
+    /// Static parameters, written `<<...>>`; empty if there are none.
     pub statics: Vec<StaticParam>,
-    /// In-ports; [`None`] if they are not written and therefore inferred.
+    /// In-ports; [`None`] if the declaration does not write them, so that the compiler infers them.
     pub inputs: Option<Vec<VarDecl>>,
-    /// Out-ports; [`None`] if they are not written.
+    /// Out-ports; [`None`] if the declaration does not write them.
     pub outputs: Option<Vec<VarDecl>>,
 }
 
@@ -108,57 +109,57 @@ pub struct Signature {
 pub struct StaticParam {
     /// Doc comment before the parameter.
     pub doc: Option<Doc>,
-    /// Kind of the parameter.
+    /// Form of the parameter: a type, a value or a node, with its declaration.
     pub kind: StaticParamKind,
-    /// Source range.
+    /// Range of the whole construct in the source text.
     pub span: Span,
 }
 
-/// What a static parameter stands for: a type, a value or a node.
+/// Form of a static parameter: the kind of argument that it accepts, with its declaration.
 #[derive(Clone, PartialEq, Debug)]
 pub enum StaticParamKind {
-    /// `type t`, `type T: number`
+    /// Type parameter, `type t`, or with a constraint on the types that it accepts, `type T: number`.
     Type(Ident, Option<Ident>),
-    /// `a, b: T = d`, `const n: int`
+    /// Value parameters with an optional type and default: `a, b: T = d`, `const n: int`.
     Value(ConstDef),
-    /// `node f (x: int) returns (y: int)`
+    /// Node or function parameter with its signature: `node f (x: int) returns (y: int)`.
     Node(NodeKind, Box<Signature>),
 }
 
-/// Kind of a node-like declaration.
+/// Keyword of a node-like declaration.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub enum NodeKind {
-    /// `node`: may have state.
+    /// Declaration by `node`: the node may have state.
     Node,
-    /// `function`: has no state.
+    /// Declaration by `function`: the node has no state.
     Function,
-    /// `contract`: contract over its ports, for nodes to import (Kind 2).
+    /// `contract`: a contract over its ports, which nodes import (Kind 2).
     Contract,
 }
 
 /// Declaration of a node, function or contract: `node f (x: int) returns (y: int) let ... tel`.
 #[derive(Clone, PartialEq, Debug)]
 pub struct NodeDecl {
-    /// Kind of the declaration.
+    /// Whether the declaration is a `node`, a `function` or a `contract`.
     pub kind: NodeKind,
-    /// Modifier before `node` or `function`.
+    /// Modifier before the keyword: `unsafe`, `opaque`, `transparent`, or none.
     pub modifier: Modifier,
     /// Name, static parameters and ports. The ports are absent only in `node f = g<<3>>;`.
     pub signature: Signature,
-    /// `const` in-ports that determine array sizes (Kind 2). They act as static parameters.
+    /// `const` in-ports that determine array sizes (Kind 2). Callers pass them as static arguments.
     pub size_params: Vec<ConstDef>,
-    /// Contract: `con ... noc`.
+    /// Contract before the body, `con ... noc`, if there is one.
     pub contract: Option<Contract>,
-    /// Definition: body, alias or external.
+    /// Body, alias of another node, or external definition.
     pub definition: NodeDef,
-    /// Notation of an external definition; meaningless for other definitions.
+    /// Notation in which an external definition is written. Irrelevant for nodes with a body or alias.
     pub external_form: ExternalForm,
 }
 
-/// Modifier before `node` or `function`.
+/// Modifier before `node` or `function`: whether callers see the body, and whether the node has side effects.
 #[derive(Clone, Copy, PartialEq, Eq, Debug, Default)]
 pub enum Modifier {
-    /// No modifier.
+    /// The declaration has no modifier.
     #[default]
     None,
     /// `unsafe`: the node may have side effects (Lustre V6).
@@ -169,20 +170,20 @@ pub enum Modifier {
     Transparent,
 }
 
-/// Notation of an externally defined node. All notations are equivalent.
+/// Notation of a node that is defined outside of the program. All notations are equivalent.
 #[derive(Clone, Copy, PartialEq, Eq, Debug, Default)]
 pub enum ExternalForm {
-    /// `extern node f ...;`
+    /// Declaration of an external node or function in the form `extern node f ...;`.
     #[default]
     Extern,
-    /// `node imported f ...;` (Kind 2)
+    /// `node imported f ...;`, or `function imported f ...;` (Kind 2)
     Imported,
     /// `node f (x: int) returns (y: int);` (Lustre V4)
     NoBody,
 }
 
 impl ExternalForm {
-    /// Returns the keyword of the notation, if it has one.
+    /// Returns the keyword of the notation; `None` for a declaration that only lacks its body.
     #[must_use]
     pub fn keyword(self) -> Option<&'static str> {
         match self {
@@ -193,86 +194,86 @@ impl ExternalForm {
     }
 }
 
-/// How a node is defined: by a body, as an alias of another node, or outside of the program.
+/// Definition of a node: a body, an alias of another node, or an external definition.
 #[derive(Clone, PartialEq, Debug)]
 pub enum NodeDef {
-    /// `let ... tel`
+    /// Body with equations: `let ... tel`
     Body(Body),
-    /// `= g<<3>>`
+    /// Another node with static arguments: `= g<<3>>`
     Alias(Callee),
-    /// `extern`, `imported`, or no body: defined externally.
+    /// No definition in the program: `extern`, `imported`, or a declaration without a body.
     Extern,
 }
 
-/// Contract: `con assume ...; guarantee ...; noc`.
+/// Contract of a node, fragment or command: `con assume ...; guarantee ...; noc`.
 #[derive(Clone, PartialEq, Debug)]
 pub struct Contract {
-    /// Ghost variables and constants: `var x: int = e;`, `const n = 3;`.
+    /// Ghost variables and constants, which only the contract refers to: `var x: int = e;`, `const n = 3;`.
     pub locals: Vec<Locals>,
     /// Ghost variables defined by a common equation: `var x, y: int = f(z);`.
     pub ghost_tuples: Vec<GhostTuple>,
-    /// Assumptions and guarantees of every mode.
+    /// `assume` and `guarantee` clauses outside of modes, which always apply.
     pub claims: Vec<Claim>,
-    /// Modes (Kind 2).
+    /// Modes, each with a condition under which its guarantees apply (Kind 2).
     pub modes: Vec<ContractMode>,
-    /// Contracts that this contract imports, each with the flows that it is about.
+    /// Contracts that this contract imports, each with the flows that it is applied to.
     pub imports: Vec<ContractImport>,
-    /// Source range.
+    /// Range of the whole construct in the source text.
     pub span: Span,
 }
 
-/// Ghost variables of a contract with a common equation: `var x: int, y: bool = value;`.
+/// Ghost variables of a contract that share one equation: `var x: int, y: bool = value;`.
 #[derive(Clone, PartialEq, Debug)]
 pub struct GhostTuple {
-    /// Declared variables.
+    /// Variables that the tuple declares, with their types.
     pub vars: Vec<VarDecl>,
-    /// Equation that defines the variables.
+    /// Equation that defines all variables of the tuple.
     pub equation: super::Equation,
-    /// Source range.
+    /// Range of the whole construct in the source text.
     pub span: Span,
 }
 
 /// Import of a contract: `import c(x, y) returns (z);`.
 #[derive(Clone, PartialEq, Debug)]
 pub struct ContractImport {
-    /// Call of the contract with the inputs, followed by the outputs, as arguments.
+    /// Call of the imported contract. Its arguments are the inputs, followed by the outputs.
     pub call: Expr,
-    /// Number of arguments that are inputs.
+    /// Number of arguments of `call` that are inputs; the remaining arguments are outputs.
     pub input_count: usize,
 }
 
 /// Mode of a contract: `mode m (require e; ensure e;);`.
 #[derive(Clone, PartialEq, Debug)]
 pub struct ContractMode {
-    /// Name of the mode.
+    /// Name of the mode in messages.
     pub name: Ident,
-    /// Conditions under which the contract is in this mode.
+    /// Conditions (`require`) under which the contract is in this mode.
     pub requires: Vec<Claim>,
-    /// Conditions that the body must satisfy while the mode applies.
+    /// Conditions (`ensure`) that the body must satisfy while the contract is in this mode.
     pub ensures: Vec<Claim>,
 }
 
-/// Fragment, at top level or local to a body.
+/// Declaration of a fragment, at top level or local to a body: a net that is active only while its condition holds.
 #[derive(Clone, PartialEq, Debug)]
 pub struct FragmentDecl {
     /// Name, static parameters and ports. The ports of a local fragment may be left out.
     pub signature: Signature,
-    /// Activation: `when c restart`. If absent, the fragment is active whenever its parent is.
+    /// Activation `when c restart`; absent if the fragment is active whenever the enclosing net is.
     pub when: Option<FragmentWhen>,
-    /// Execution time budget per cycle: `budget 40[us]`.
+    /// Maximum execution time per cycle, `budget 40[us]`; absent if none is given.
     pub budget: Option<Expr>,
-    /// Contract: `con ... noc`.
+    /// Contract before the body, `con ... noc`, if there is one.
     pub contract: Option<Contract>,
-    /// Equations of the fragment.
+    /// Local declarations and equations of the fragment.
     pub body: Body,
 }
 
-/// Activation of a fragment: `when condition restart`.
+/// Activation clause of a fragment: `when condition restart`.
 #[derive(Clone, PartialEq, Debug)]
 pub struct FragmentWhen {
-    /// Condition under which the fragment is active.
+    /// Boolean condition; the fragment is active in the cycles in which it is true.
     pub condition: Expr,
-    /// Whether each activation resets the fragment to its initial state.
+    /// Whether `restart` is written: the fragment starts from its initial state each time it becomes active.
     pub resets: bool,
 }
 
@@ -281,16 +282,16 @@ pub struct FragmentWhen {
 pub struct PrimitiveDecl {
     /// Name, static parameters and ports.
     pub signature: Signature,
-    /// Execution time per cycle.
+    /// Maximum execution time per cycle, `budget 1[us]`; absent if none is given.
     pub budget: Option<Expr>,
 }
 
 /// Declaration of a device type: `device Arm <<n: int>> actuator ...; sensor ...; status ...;`.
 #[derive(Clone, PartialEq, Debug)]
 pub struct DeviceDecl {
-    /// Declared name.
+    /// Name of the device type.
     pub name: Ident,
-    /// Static parameters: `<<...>>`.
+    /// Static parameters, written `<<...>>`; empty if there are none.
     pub statics: Vec<StaticParam>,
     /// Port sections in text order.
     pub sections: Vec<DeviceSection>,
@@ -299,15 +300,15 @@ pub struct DeviceDecl {
 /// Port section of a device type, after `actuator`, `sensor` or `status`.
 #[derive(Clone, PartialEq, Debug)]
 pub struct DeviceSection {
-    /// Whether the ports are actuators, sensors or status ports.
+    /// Keyword of the section, which says whether its ports are actuator, sensor or status ports.
     pub kind: PortKind,
-    /// Ports, at least one.
+    /// Ports of the section, at least one.
     pub ports: Vec<DevicePort>,
-    /// Source range.
+    /// Range of the whole construct in the source text.
     pub span: Span,
 }
 
-/// Kind of a port of a device.
+/// Kind of a port of a device: written or read by commands.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub enum PortKind {
     /// `actuator`: written by a command.
@@ -318,50 +319,50 @@ pub enum PortKind {
     Status,
 }
 
-/// Port of a device, or several ports separated by `|` that are alternatives.
+/// Port of a device, or several ports separated by `|` of which a command drives one.
 #[derive(Clone, PartialEq, Debug)]
 pub struct DevicePort {
-    /// Alternatives, at least one; more than one only for actuators.
+    /// Declarations of the alternative ports, at least one. Only an actuator can have several.
     pub alternatives: Vec<VarDecl>,
-    /// Source range.
+    /// Range of the whole construct in the source text.
     pub span: Span,
 }
 
 /// Declaration of coordinate frames: `frame a, b in c = pose;`.
 #[derive(Clone, PartialEq, Debug)]
 pub struct FrameDecl {
-    /// Declared names, at least one.
+    /// Names of the frames, at least one.
     pub names: Vec<Ident>,
-    /// Parent frame.
+    /// Frame relative to which the declared frames are placed; `None` for a root frame.
     pub parent: Option<Dotted>,
-    /// Pose in the parent frame; absent if it is not fixed.
+    /// Constant pose in the parent frame; absent if the pose is not constant.
     pub pose: Option<Expr>,
 }
 
 /// Declaration of a command: `command C (params) given (ports) let ... tel`.
 #[derive(Clone, PartialEq, Debug)]
 pub struct CommandDecl {
-    /// Declared name.
+    /// Name of the command.
     pub name: Ident,
-    /// Static parameters: `<<...>>`.
+    /// Static parameters, written `<<...>>`; empty if there are none.
     pub statics: Vec<StaticParam>,
-    /// Parameters: devices, and values fixed at load time.
+    /// Parameters of the command: devices, and values that are fixed at load time.
     pub params: Vec<VarDecl>,
-    /// `given` ports: values taken over from the predecessor.
+    /// `given` ports: values that the command takes over from its predecessor.
     pub given: Vec<VarDecl>,
-    /// Execution time budget per cycle: `budget 40[us]`.
+    /// Maximum execution time per cycle, `budget 40[us]`; absent if none is given.
     pub budget: Option<Expr>,
-    /// Contract: `con ... noc`.
+    /// Contract before the body, `con ... noc`, if there is one.
     pub contract: Option<Contract>,
-    /// Body: the root fragment.
+    /// Local declarations and equations of the command.
     pub body: Body,
 }
 
 /// Declaration of a test: `test "name" let ... tel`.
 #[derive(Clone, PartialEq, Debug)]
 pub struct TestDecl {
-    /// Title of the test.
+    /// Title of the test, the string after `test`.
     pub title: Ident,
-    /// Stimuli and expectations.
+    /// Body of the test: equations that drive the tested nodes, and the conditions that must hold.
     pub body: Body,
 }

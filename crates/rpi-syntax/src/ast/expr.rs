@@ -9,64 +9,64 @@ use rpi_diag::Span;
 pub struct Expr {
     /// Form of the expression, with its operands.
     pub kind: ExprKind,
-    /// Source range.
+    /// Range of the whole construct in the source text.
     pub span: Span,
 }
 
-/// Kind of an [`Expr`]. The size is kept at 24 bytes: larger contents are boxed.
+/// Form of an [`Expr`]. The type has 24 bytes: larger contents are boxed.
 #[derive(Clone, PartialEq, Debug)]
 pub enum ExprKind {
-    /// `true`, `false`
+    /// Boolean literal: `true`, `false`
     Bool(bool),
-    /// `3`, `0x1F`, `2.5`
+    /// Number literal without a unit: `3`, `0x1F`, `2.5`
     Number(Number),
-    /// `250[mm/s]`, `60%`
+    /// Number with a unit: `250[mm/s]`, `60%`
     Quantity(Box<Quantity>),
-    /// `"text"`, without quotes and with escapes resolved
+    /// String literal: `"text"`. The content has no quotes, and its escapes are resolved.
     Str(Name),
-    /// `x`, `Core::Pi`: a flow, constant, enum value, result, device, ...
+    /// Reference to a flow, constant, enum value, result or device: `x`, `Core::Pi`
     Name(Name),
-    /// `way.pose`
+    /// Field of a struct, port of a device or result of a call: `way.pose`
     Field(Box<Field>),
-    /// `a[i]`
+    /// Element of an array: `a[i]`
     Index(Box<Index>),
-    /// `a[1..6 step 2]`
+    /// Part of an array: `a[1..6 step 2]`
     Slice(Box<SliceExpr>),
-    /// `x[7:0]` (Kind 2)
+    /// Range of bits of a machine integer: `x[7:0]` (Kind 2)
     BitRange(Box<BitRange>),
-    /// `not x`, `pre x`
+    /// Unary operation: `not x`, `pre x`
     Unary(UnaryOp, Box<Expr>),
-    /// `x + y`, `x -> y`, `x fby y`, `x ?? y`
+    /// Binary operation: `x + y`, `x -> y`, `x fby y`, `x ?? y`
     Binary(Box<Binary>),
-    /// `x when c`
+    /// Flow sampled by a clock: `x when c`
     When(Box<WhenExpr>),
-    /// `if c then x else y`, `with c then x else y`
+    /// Conditional expression, evaluated at run time (`if c then x else y`) or at compile time (`with c then x else y`)
     If(Box<IfExpr>),
-    /// `f<<n: 3>>(x, y: z)`, also with `activate` and `restart`
+    /// Call: `f<<n: 3>>(x, y: z)`, also with `activate` and `restart`
     Call(Box<Call>),
-    /// `#(a, b, c)`, `nor(a, b, c)`
+    /// Operation on any number of Booleans: `#(a, b, c)`, `nor(a, b, c)`
     BoolList(BoolListOp, Box<[Expr]>),
     /// Merge of flows with complementary clocks: `merge c (A -> x) (B -> y)`
     Merge(Box<Merge>),
-    /// `(x)`: kept, so that formatting preserves redundant parentheses
+    /// Expression in parentheses: `(x)`. The node exists so that formatting preserves redundant parentheses.
     Paren(Box<Expr>),
-    /// `()`, `(x, y)`: none or at least two elements
+    /// Tuple with no or at least two elements: `()`, `(x, y)`
     Tuple(Box<[Expr]>),
-    /// `[x, y]`
+    /// Array of its elements: `[x, y]`
     Array(Box<[Expr]>),
-    /// `T{x = 1; y = 2}`, `T{s with x = 1}`
+    /// Struct value, or struct with some fields replaced: `T{x = 1; y = 2}`, `T{s with x = 1}`
     Struct(Box<StructExpr>),
-    /// `(a with [2] = x; .f[1] = y)`
+    /// Copy of a value with some parts replaced: `(a with [2] = x; .f[1] = y)`
     Update(Box<Update>),
-    /// `forall (x: int) x > y`, `exists (x: int) x > y` (Kind 2)
+    /// Quantified condition: `forall (x: int) x > y`, `exists (x: int) x > y` (Kind 2)
     Quantified(Box<Quantified>),
-    /// `(x: T)` (Kind 2)
+    /// Expression with an explicit type: `(x: T)` (Kind 2)
     Ascription(Box<Ascription>),
-    /// `A?(x)` (Kind 2)
+    /// Test of whether a value was made by a constructor: `A?(x)` (Kind 2)
     ConstructorTest(Box<ConstructorTest>),
-    /// `match x with A: 1 | B(n): n end` (Kind 2)
+    /// Case distinction over constructors: `match x with A: 1 | B(n): n end` (Kind 2)
     Match(Box<Match>),
-    /// `{}@<T>` (Kind 2)
+    /// Empty set with its element type: `{}@<T>` (Kind 2)
     EmptySet(Box<[StaticArg]>),
 }
 
@@ -80,7 +80,7 @@ impl Expr {
         expr
     }
 
-    /// Returns the name if the expression is a plain reference to a name.
+    /// Returns the name if the expression is a plain or qualified name; `None` otherwise.
     pub fn as_name(&self) -> Option<&Name> {
         match &self.kind {
             ExprKind::Name(name) => Some(name),
@@ -94,7 +94,7 @@ impl Expr {
 pub struct Quantity {
     /// Number before the unit.
     pub number: Number,
-    /// Unit of measure.
+    /// Unit of measure of the number.
     pub unit: Unit,
 }
 
@@ -103,14 +103,14 @@ pub struct Quantity {
 pub struct Field {
     /// Struct, device or call that has the field.
     pub base: Expr,
-    /// Name of the field, port or result.
+    /// Name of the field of a struct, of the port of a device, or of the result of a call.
     pub field: Ident,
 }
 
 /// Array access: `base[index]`.
 #[derive(Clone, PartialEq, Debug)]
 pub struct Index {
-    /// Array.
+    /// Array whose element is read.
     pub base: Expr,
     /// Index of the element, from 0.
     pub index: Expr,
@@ -119,29 +119,29 @@ pub struct Index {
 /// Slice of an array: `base[from..to step s]`.
 #[derive(Clone, PartialEq, Debug)]
 pub struct SliceExpr {
-    /// Array.
+    /// Array of which a part is read.
     pub base: Expr,
-    /// Selected elements.
+    /// Bounds and step of the selected indices.
     pub slice: SliceBounds,
 }
 
 /// Bit range of a machine integer: `base[high:low]`, both ends included (Kind 2).
 #[derive(Clone, PartialEq, Debug)]
 pub struct BitRange {
-    /// Machine integer.
+    /// Machine integer whose bits are selected.
     pub base: Expr,
-    /// Highest selected bit.
+    /// Index of the highest selected bit, counted from 0.
     pub high: Expr,
-    /// Lowest selected bit.
+    /// Index of the lowest selected bit, counted from 0.
     pub low: Expr,
 }
 
 /// Bounds of a slice: `from..to step s`, both ends included.
 #[derive(Clone, PartialEq, Debug)]
 pub struct SliceBounds {
-    /// Index of the first element.
+    /// Index of the first element, from 0.
     pub from: Expr,
-    /// Index of the last element.
+    /// Index of the last element, which is part of the slice.
     pub to: Expr,
     /// Step between indices; 1 if absent.
     pub step: Option<Expr>,
@@ -150,20 +150,20 @@ pub struct SliceBounds {
 /// Binary operation: `lhs op rhs`.
 #[derive(Clone, PartialEq, Debug)]
 pub struct Binary {
-    /// Operator.
+    /// Operator of the operation.
     pub op: BinaryOp,
     /// Source range of the operator.
     pub op_span: Span,
-    /// Left operand.
+    /// Operand on the left of the operator.
     pub lhs: Expr,
-    /// Right operand.
+    /// Operand on the right of the operator.
     pub rhs: Expr,
 }
 
-/// Sampled expression: `value when clock`.
+/// Sampled expression, `value when clock`: the flow has a value only in the cycles in which its clock ticks.
 #[derive(Clone, PartialEq, Debug)]
 pub struct WhenExpr {
-    /// Sampled value.
+    /// Expression that is sampled.
     pub value: Expr,
     /// Clock of the samples.
     pub clock: Clock,
@@ -172,8 +172,8 @@ pub struct WhenExpr {
 /// Conditional expression: `if condition then yes else no`.
 #[derive(Clone, PartialEq, Debug)]
 pub struct IfExpr {
-    /// Whether the expression is written `with` instead of `if`: the condition is evaluated at compile time, and the
-    /// other branch is not elaborated.
+    /// Whether the expression is written `with` instead of `if`: the condition is evaluated at compile time, and only
+    /// the selected branch is compiled.
     pub is_static: bool,
     /// Boolean expression that chooses between the alternatives.
     pub condition: Expr,
@@ -186,9 +186,9 @@ pub struct IfExpr {
 /// Call of a node, function, fragment, primitive or predeclared operator.
 #[derive(Clone, PartialEq, Debug)]
 pub struct Call {
-    /// Called unit.
+    /// Name and static arguments of the called node, function, fragment, primitive or operator.
     pub callee: Callee,
-    /// Condition under which the callee runs.
+    /// Conditions under which the callee runs or is reset.
     pub activation: Activation,
     /// Arguments in parentheses, in text order.
     pub args: Vec<Arg>,
@@ -205,24 +205,24 @@ pub struct Callee {
     pub span: Span,
 }
 
-/// Condition under which the callee of a [`Call`] runs.
+/// Conditions under which the callee of a [`Call`] runs or is reset.
 #[derive(Clone, PartialEq, Debug)]
 pub enum Activation {
-    /// `f(x)`: whenever the call is active.
+    /// The callee runs in every cycle in which the call is evaluated: `f(x)`.
     Always,
-    /// `(activate f every c initial default d)(x)`: if `every` holds. The result is `default` before the first
-    /// activation.
+    /// The callee runs only if `every` is true: `(activate f every c initial default d)(x)`. The result is `default`
+    /// before the first run.
     Activate {
-        /// Condition.
+        /// Boolean condition; the callee runs in the cycles in which it is true.
         every: Expr,
-        /// `restart every e`: condition that resets the callee.
+        /// Boolean condition that resets the callee to its initial state, `restart every e`; absent if not written.
         restart: Option<Expr>,
-        /// Value before the first activation.
+        /// Result before the callee runs for the first time; absent if not written.
         default: Option<Expr>,
     },
-    /// `(restart f every c)(x)`: always. The callee is reset if `every` holds.
+    /// The callee runs in every cycle, and starts from its initial state if `every` is true: `(restart f every c)(x)`.
     Restart {
-        /// Condition.
+        /// Boolean condition; the callee is reset in the cycles in which it is true.
         every: Expr,
     },
 }
@@ -232,7 +232,7 @@ pub enum Activation {
 pub struct Arg {
     /// Name of the parameter; absent for a positional argument.
     pub name: Option<Ident>,
-    /// Value.
+    /// Expression that is passed.
     pub value: Expr,
 }
 
@@ -241,33 +241,33 @@ pub struct Arg {
 pub struct StaticArg {
     /// Name of the parameter; absent for a positional argument.
     pub name: Option<Ident>,
-    /// Value of the argument.
+    /// Type, value, operator or node that is passed.
     pub value: StaticValue,
-    /// Source range.
+    /// Range of the whole construct in the source text.
     pub span: Span,
 }
 
-/// Value of a [`StaticArg`].
+/// Value of a [`StaticArg`]: an expression, type, operator or node.
 #[derive(Clone, PartialEq, Debug)]
 pub enum StaticValue {
     /// Expression; a plain name may also denote a type or a node.
     Expr(Expr),
     /// Type that is not a plain name: `int`, `real[m]`, `bool^3`.
     Type(Type),
-    /// Operator: `+`, `and`, `if`.
+    /// Operator that is passed as a node: `+`, `and`, `if`.
     Op(StaticOp),
-    /// Node with static arguments: `f<<3>>`.
+    /// Node with static arguments that is passed: `f<<3>>`.
     Callee(Callee),
 }
 
-/// Operator passed as a node.
+/// Operator that is passed as a static argument in place of a node.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub enum StaticOp {
-    /// `not`, `pre`
+    /// Unary operator: `not`, `pre`
     Unary(UnaryOp),
-    /// `+`, `and`
+    /// Binary operator: `+`, `and`
     Binary(BinaryOp),
-    /// `if`
+    /// Conditional operator `if`, with a condition and two alternatives as arguments.
     If,
 }
 
@@ -283,18 +283,18 @@ pub enum BoolListOp {
 /// Merge of flows with complementary clocks: `merge on cases`.
 #[derive(Clone, PartialEq, Debug)]
 pub struct Merge {
-    /// Selecting flow: a plain name in Lustre V6, any expression in `merge(c; x; y)`.
+    /// Flow whose value selects the case: a plain name in Lustre V6, any expression in `merge(c; x; y)`.
     pub selector: Expr,
-    /// Cases in text order.
+    /// Cases in text order, one for each value of the selecting flow.
     pub cases: Vec<MergeCase>,
 }
 
 /// Case of a merge: `(A -> x)`.
 #[derive(Clone, PartialEq, Debug)]
 pub struct MergeCase {
-    /// Value of the selecting flow: an enum value, `true` or `false`.
+    /// Value of the selecting flow for which the case applies: an enum value, `true` or `false`.
     pub value: Ident,
-    /// Value of the merge in this case.
+    /// Value of the merge if the case applies.
     pub then: Expr,
 }
 
@@ -303,59 +303,59 @@ pub struct MergeCase {
 pub struct Quantified {
     /// Whether the quantifier is `forall`, not `exists`.
     pub is_forall: bool,
-    /// Bound variables.
+    /// Variables that the quantifier binds, with their types.
     pub vars: Vec<VarDecl>,
-    /// Quantified condition.
+    /// Condition that must hold for all values of the bound variables (`forall`) or for some (`exists`).
     pub condition: Expr,
 }
 
 /// Type ascription: `(value: ty)` (Kind 2).
 #[derive(Clone, PartialEq, Debug)]
 pub struct Ascription {
-    /// Value.
+    /// Expression whose type is stated.
     pub value: Expr,
-    /// Ascribed type.
+    /// Type that the expression must have.
     pub ty: Type,
 }
 
 /// Constructor test: `constructor?(value)` (Kind 2).
 #[derive(Clone, PartialEq, Debug)]
 pub struct ConstructorTest {
-    /// Tested constructor.
+    /// Constructor with which the value must have been made.
     pub constructor: Ident,
-    /// Value of the datatype.
+    /// Value of a datatype that is tested.
     pub value: Expr,
 }
 
 /// Match expression: `match value with arms end` (Kind 2).
 #[derive(Clone, PartialEq, Debug)]
 pub struct Match {
-    /// Matched value.
+    /// Value of an algebraic data type that the patterns are compared with.
     pub value: Expr,
-    /// Arms in text order, at least one.
+    /// Arms in text order, at least one. The first arm whose pattern matches gives the value.
     pub arms: Vec<Arm>,
 }
 
 /// Arm of a match expression: `A(x, y): then`.
 #[derive(Clone, PartialEq, Debug)]
 pub struct Arm {
-    /// Pattern of the arm.
+    /// Pattern that a value must match so that the arm applies.
     pub pattern: Pattern,
-    /// Value if the pattern matches.
+    /// Value of the match expression if the arm applies.
     pub then: Expr,
 }
 
 /// Pattern of a value of a datatype: `A(x, B(y))`.
 #[derive(Clone, PartialEq, Debug)]
 pub struct Pattern {
-    /// Constructor; `_` or any other name matches every value.
+    /// Constructor that the value must have; `_` or any other name matches every value.
     pub name: Ident,
-    /// Patterns of the fields.
+    /// Patterns of the fields of the constructor, in order.
     pub parts: Vec<Pattern>,
 }
 
 impl Pattern {
-    /// Returns all names in the pattern, constructors included.
+    /// Returns all names in the pattern and its nested patterns, including the names of constructors.
     pub fn names(&self) -> Vec<&Ident> {
         let mut all = vec![self];
         let mut at = 0;
@@ -370,11 +370,11 @@ impl Pattern {
 /// Struct expression: `T{x = 1; y = 2}`, `T{s with x = 1}`.
 #[derive(Clone, PartialEq, Debug)]
 pub struct StructExpr {
-    /// Struct type.
+    /// Name of the struct type.
     pub ty: Ident,
     /// Static arguments: `T@<int>{x = 1}`.
     pub statics: Vec<StaticArg>,
-    /// Struct that supplies the other fields.
+    /// Struct from which all fields without explicit values are copied; absent in `T{x = 1}`.
     pub base: Option<Expr>,
     /// Fields with explicit values.
     pub fields: Vec<FieldValue>,
@@ -392,31 +392,31 @@ pub struct FieldValue {
 /// Update of parts of a value: `(base with changes)`.
 #[derive(Clone, PartialEq, Debug)]
 pub struct Update {
-    /// Value before the update.
+    /// Value whose parts are replaced.
     pub base: Expr,
     /// Changes, at least one, applied in text order.
     pub changes: Vec<Change>,
-    /// Whether the update is written `base[0 := x]` (Kind 2): each path is one index. For a struct, the index is the
-    /// name of a field.
+    /// Whether the update is written `base[0 := x]` (Kind 2). Then each path is one index; for a struct, the index is
+    /// the name of a field.
     pub is_keyed: bool,
 }
 
-/// Change of one part: `.f[1] = y`.
+/// Replacement of one part in an [`Update`]: `.f[1] = y`.
 #[derive(Clone, PartialEq, Debug)]
 pub struct Change {
-    /// Path to the part, at least one step.
+    /// Path to the replaced part, at least one step.
     pub path: Vec<Access>,
     /// New value of the part.
     pub value: Expr,
 }
 
-/// Step of a path into a value.
+/// Step of a path into a value: a field, an index or a slice.
 #[derive(Clone, PartialEq, Debug)]
 pub enum Access {
-    /// `.f`
+    /// Field of a struct: `.f`
     Field(Ident),
-    /// `[i]`
+    /// Element of an array: `[i]`
     Index(Expr),
-    /// `[1..3]`
+    /// Part of an array: `[1..3]`
     Slice(Box<SliceBounds>),
 }

@@ -3,15 +3,15 @@
 use super::{Ident, Name};
 use rpi_diag::Span;
 
-/// Number literal. The source text is kept, so that printing reproduces it.
+/// Number literal, stored as its source text so that printing reproduces it.
 #[derive(Clone, PartialEq, Debug)]
 pub struct Number {
-    /// Source text: `250`, `0x1F`, `2.5e-3`, `0x1.8p3`.
+    /// Source text of the number: `250`, `0x1F`, `2.5e-3`, `0x1.8p3`.
     pub text: Name,
 }
 
 impl Number {
-    /// Returns whether it is an integer literal, decimal or hexadecimal.
+    /// Returns whether the literal is an integer, decimal or hexadecimal.
     pub fn is_int(&self) -> bool {
         match self.hex() {
             Some(digits) => digits.bytes().all(|b| b.is_ascii_hexdigit()),
@@ -19,12 +19,14 @@ impl Number {
         }
     }
 
-    /// Returns the value of an integer. [`None`] for a real, and for values above 2^63, which the parser has reported.
+    /// Returns the value of an integer literal. [`None`] for a real, and for values above 2^63. The parser has reported
+    /// such values.
     pub fn int_value(&self) -> Option<u64> {
         self.u64_value().filter(|value| *value <= 1 << 63)
     }
 
-    /// Returns the value of an unsigned 64-bit integer, as for the machine integers of Kind 2.
+    /// Returns the value of an integer literal up to 2^64 - 1, as the unsigned machine integers of Kind 2 need it.
+    /// [`None`] for a real or a larger value.
     pub fn u64_value(&self) -> Option<u64> {
         match self.hex() {
             Some(digits) => u64::from_str_radix(digits, 16).ok(),
@@ -32,7 +34,7 @@ impl Number {
         }
     }
 
-    /// Returns the value as a real, rounded to nearest.
+    /// Returns the value of an integer or real literal as a real, rounded to the nearest.
     pub fn real_value(&self) -> f64 {
         match self.hex() {
             Some(digits) => parse_hex_real(digits),
@@ -47,7 +49,7 @@ impl Number {
     }
 }
 
-/// Returns the value of a decimal exponent; the nearest integer if it is out of range.
+/// Returns the value of the exponent in a decimal literal, limited to the range of `i64`.
 fn parse_exponent(text: &str) -> i64 {
     let nearest = match text.starts_with('-') {
         true => i64::MIN,
@@ -56,7 +58,7 @@ fn parse_exponent(text: &str) -> i64 {
     text.parse().unwrap_or(nearest)
 }
 
-/// Returns the nearest real to a hexadecimal number, with optional fraction and binary exponent: `1.8p3` is 12.
+/// Returns the real that is nearest to a hexadecimal literal with optional fraction and binary exponent: `1.8p3` is 12.
 fn parse_hex_real(text: &str) -> f64 {
     let (digits, power) = text.split_once(['p', 'P']).unwrap_or((text, "0"));
     let mut power = parse_exponent(power);
@@ -117,9 +119,9 @@ fn round_to_f64(value: u64, power: i64) -> f64 {
 /// Unit of measure as a product of powers: `m/s^2` is m^1 * s^-2. The unit `1` has no factors.
 #[derive(Clone, PartialEq, Debug)]
 pub struct Unit {
-    /// Factors in text order.
+    /// Factors of the unit in text order, such as `m` and `s^-2`.
     pub factors: Vec<UnitFactor>,
-    /// Source range, without brackets.
+    /// Source range of the unit, without brackets.
     pub span: Span,
 }
 
@@ -135,28 +137,28 @@ impl Unit {
 pub struct UnitFactor {
     /// Name of the base unit: `m`, `deg`, `%`.
     pub unit: Ident,
-    /// Exponent; negative after a `/`.
+    /// Exponent of the base unit; negative after a `/`.
     pub power: i32,
 }
 
-/// Clock of `x when c`.
+/// Clock in `x when c`: the condition under which the flow has a value.
 #[derive(Clone, PartialEq, Debug)]
 pub struct Clock {
     /// Value of the flow at which the clock ticks.
     pub value: ClockValue,
     /// Flow that determines the clock.
     pub flow: Ident,
-    /// Source range, without `when`.
+    /// Source range of the clock, without `when`.
     pub span: Span,
 }
 
 /// Value of its flow at which a clock ticks.
 #[derive(Clone, PartialEq, Debug)]
 pub enum ClockValue {
-    /// `when c`
+    /// The clock ticks when its flow is true: `when c`
     True,
-    /// `when not c`
+    /// The clock ticks when its flow is false: `when not c`
     False,
-    /// `when A(c)`: an enum value
+    /// The clock ticks when its flow has this enum value: `when A(c)`
     Value(Ident),
 }

@@ -46,26 +46,26 @@ use std::sync::Arc;
 pub struct File {
     /// Declarations of the file in text order.
     pub items: Vec<Item>,
-    /// Dialect of the file.
+    /// Dialect in which the file is written.
     pub dialect: Dialect,
 }
 
 /// Name with its source range. A reference may be qualified (`Core::DoubleAdd`).
 #[derive(Clone, PartialEq, Debug)]
 pub struct Ident {
-    /// Text of the name, without the place.
+    /// Text of the name.
     pub name: Name,
-    /// Source range.
+    /// Range of the name in the source text.
     pub span: Span,
 }
 
 /// Text of a doc comment (`--|`), without the markers, lines joined by `\n`.
 pub type Doc = Arc<str>;
 
-/// Names joined by dots: `arm.tcp`, `way.done`.
+/// Path of names joined by dots: `arm.tcp`, `way.done`.
 #[derive(Clone, PartialEq, Debug)]
 pub struct Dotted {
-    /// Names, at least one.
+    /// Names between the dots, in text order; at least one.
     pub parts: Vec<Ident>,
     /// Source range of the whole path.
     pub span: Span,

@@ -8,38 +8,38 @@ use rpi_diag::Span;
 pub struct Type {
     /// Form of the type, with its parts.
     pub kind: TypeKind,
-    /// Source range.
+    /// Range of the whole construct in the source text.
     pub span: Span,
 }
 
-/// Forms in which a program writes a type.
+/// Form in which a program writes a type.
 #[derive(Clone, PartialEq, Debug)]
 pub enum TypeKind {
     /// The type `bool` of true and false.
     Bool,
-    /// The type `int` of integers with 64 bits.
+    /// The type `int` of 64-bit integers.
     Int,
-    /// `real`, `real[m/s]`
+    /// Type of real numbers with an optional unit: `real`, `real[m/s]`
     Real(Option<Unit>),
-    /// `Phase`, `Arm<<7>>`, `Pose(tool in base)`
+    /// Type that is referred to by its name: `Phase`, `Arm<<7>>`, `Pose(tool in base)`
     Named(Box<NamedType>),
-    /// `T^n`
+    /// Array type: `T^n`
     Array(Box<ArrayType>),
-    /// `T?`
+    /// Type of flows that may have no value in a cycle: `T?`
     Optional(Box<Type>),
-    /// `subrange [lo, hi] of int`
+    /// Integers within bounds: `subrange [lo, hi] of int`
     Subrange(Box<Subrange>),
-    /// `[T, U]` (Kind 2)
+    /// Tuple of types: `[T, U]` (Kind 2)
     Tuple(Vec<Type>),
-    /// `subtype { x: T | x > 0 }` (Kind 2)
+    /// Values that satisfy a condition: `subtype { x: T | x > 0 }` (Kind 2)
     Refinement(Box<RefinementType>),
-    /// `A | B(x: int)`; only in a declaration of a `datatype` (Kind 2)
+    /// Algebraic data type: `A | B(x: int)`. Occurs only in a declaration of a `datatype` (Kind 2).
     Datatype(Vec<Constructor>),
-    /// `enum { A, B }`; only in a type declaration
+    /// Type with named values: `enum { A, B }`. Occurs only in a type declaration.
     Enum(Vec<EnumValue>),
-    /// `struct { x: real; y: real = 0.0 }`; only in a type declaration
+    /// Type with named fields: `struct { x: real; y: real = 0.0 }`. Occurs only in a type declaration.
     Struct(Vec<VarDecl>),
-    /// Type with an error; it must not cause further diagnostics
+    /// Placeholder for a type with a reported error. It causes no further diagnostics.
     Error,
 }
 
@@ -48,18 +48,18 @@ pub enum TypeKind {
 pub struct NamedType {
     /// Name of the type; may be qualified.
     pub name: Ident,
-    /// Arguments of a generic type between `<<` and `>>`.
+    /// Static arguments of a generic type, between `<<` and `>>`.
     pub statics: Vec<StaticArg>,
-    /// Coordinate frames: `(tool in base)`, `(base)`.
+    /// Coordinate frames of a spatial type: `(tool in base)`, `(base)`; absent for other types.
     pub frames: Option<FramePair>,
 }
 
-/// Coordinate frames of a spatial type.
+/// Coordinate frames of a spatial type, such as the type of a pose or velocity.
 #[derive(Clone, PartialEq, Debug)]
 pub struct FramePair {
-    /// Located frame: `tool` in `(tool in base)`; absent in `(base)`.
+    /// Frame whose position or motion is described: `tool` in `(tool in base)`; absent in `(base)`.
     pub located: Option<Dotted>,
-    /// Reference frame of the coordinates: `base`.
+    /// Frame in which the coordinates are given: `base`.
     pub reference: Dotted,
 }
 
@@ -68,7 +68,7 @@ pub struct FramePair {
 pub struct ArrayType {
     /// Type of each element.
     pub element: Type,
-    /// Number of elements, a constant.
+    /// Number of elements, an expression that is evaluated at compile time.
     pub size: Expr,
 }
 
@@ -81,27 +81,27 @@ pub struct Subrange {
     pub upper: Option<Expr>,
 }
 
-/// Refinement type: `subtype { name: base | condition }`.
+/// Refinement type, the values of `base` that satisfy a condition: `subtype { name: base | condition }`.
 #[derive(Clone, PartialEq, Debug)]
 pub struct RefinementType {
-    /// Name of the value in the condition.
+    /// Name by which the condition refers to the value.
     pub name: Ident,
-    /// Type whose values the condition or range restricts.
+    /// Type whose values the condition restricts.
     pub base: Type,
     /// Condition that the values satisfy.
     pub condition: Expr,
 }
 
-/// Constructor of a `datatype`.
+/// Constructor of an algebraic data type, which is declared with `datatype` (Kind 2).
 #[derive(Clone, PartialEq, Debug)]
 pub struct Constructor {
     /// Name of the constructor.
     pub name: Ident,
-    /// Fields of the constructor.
+    /// Fields of the constructor; empty for a constructor without arguments.
     pub fields: Vec<VarDecl>,
 }
 
-/// Named value in the declaration of an enum.
+/// Named value in the definition of an enum.
 #[derive(Clone, PartialEq, Debug)]
 pub struct EnumValue {
     /// Doc comment before the value.

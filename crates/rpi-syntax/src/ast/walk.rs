@@ -9,15 +9,15 @@ use super::{
     VarDecl,
 };
 
-/// Visitor of the parts of a declaration. All methods do nothing by default.
+/// Visitor of the parts of a declaration, called by [`Walker`]. By default, its methods ignore the parts.
 pub trait Visitor<'a> {
-    /// Returns whether expressions are visited. Visiting them takes most of the time of a walk.
+    /// Returns whether expressions are visited. Visiting expressions takes most of the time of a traversal.
     fn visits_expressions(&self) -> bool {
         true
     }
 
-    /// Visits a reference to a name, but no declaration or definition of a whole flow. A name may be visited
-    /// repeatedly.
+    /// Visits a use of a name. Declarations of names and whole flows on the left side of equations are not visited. A
+    /// name may be visited repeatedly.
     fn visit_name(&mut self, _: &'a Name) {}
 
     /// Visits an expression that is evaluated at run time, before its subexpressions.
@@ -185,7 +185,7 @@ impl<'a> Walker<'_, 'a> {
         }
     }
 
-    /// Visits the conditions before the branches.
+    /// Visits the conditions of a conditional block, then the statements of its branches.
     fn conditional(&mut self, choice: &'a ConditionalBlock) {
         let branches = choice.branches.iter();
         self.exprs(branches.clone().map(|branch| &branch.condition));
@@ -236,20 +236,20 @@ impl<'a> Walker<'_, 'a> {
         exprs.into_iter().for_each(|expr| self.expr(expr));
     }
 
-    /// Visits an expression that is evaluated at run time.
+    /// Visits an expression that is evaluated at run time, and its subexpressions.
     fn expr(&mut self, expr: &'a Expr) {
         self.expr_tree(expr, true);
     }
 
-    /// Visits expressions that are evaluated before the program runs.
+    /// Visits expressions that are evaluated at compile time, such as array sizes.
     fn static_exprs(&mut self, exprs: impl IntoIterator<Item = &'a Expr>) {
         exprs
             .into_iter()
             .for_each(|expr| self.expr_tree(expr, false));
     }
 
-    /// Visits an expression and its subexpressions; `runs` is whether it is evaluated at run time. Uses a list instead
-    /// of recursion, as expressions may be nested deeply.
+    /// Visits an expression and its subexpressions; `runs` is true if the expression is evaluated at run time. Uses a
+    /// stack instead of recursion, as expressions may be nested deeply.
     fn expr_tree(&mut self, expr: &'a Expr, runs: bool) {
         if !self.visitor.visits_expressions() {
             return;
@@ -264,7 +264,8 @@ impl<'a> Walker<'_, 'a> {
         }
     }
 
-    /// Visits the names of an expression that are not part of a subexpression.
+    /// Visits the names in an expression itself, such as those of its clock, unit or callee, without those in its
+    /// subexpressions.
     fn own_names(&mut self, expr: &'a Expr) {
         match &expr.kind {
             ExprKind::Name(name) => self.visitor.visit_name(name),

@@ -9,7 +9,7 @@ pub(super) fn doc(doc: Option<&Doc>) -> Sexp {
     option("doc", doc, |doc| Sexp::quoted(doc))
 }
 
-/// Creates an atom from the name of an enum variant in lower case.
+/// Creates an atom whose text is the name of an enum variant in lower case.
 fn word(variant: impl std::fmt::Debug) -> Sexp {
     Sexp::atom(format!("{variant:?}").to_lowercase())
 }

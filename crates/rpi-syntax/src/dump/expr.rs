@@ -12,7 +12,7 @@ pub(super) fn dotted(dotted: &Dotted) -> Sexp {
     nodes("dotted", &dotted.parts, name)
 }
 
-/// Creates the list `(tag value)`, or [`Sexp::Empty`] without a value.
+/// Creates the list `(tag value)`, where `one` converts the value; [`Sexp::Empty`] for `None`.
 pub(super) fn option<T>(tag: &str, value: Option<&T>, one: impl Fn(&T) -> Sexp) -> Sexp {
     value.map_or(Sexp::Empty, |value| list_node(tag, [one(value)]))
 }

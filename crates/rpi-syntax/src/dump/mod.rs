@@ -14,13 +14,13 @@ use std::fmt::Write as _;
 /// Whether the dump of a tree shows the parentheses of the source.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub enum Parens {
-    /// Shows parentheses: the tree as parsed.
+    /// Shows the parentheses of expressions as they are in the source text.
     Keep,
-    /// Omits parentheses: equivalent trees have the same dump.
+    /// Omits parentheses, so that expressions that differ only in redundant parentheses have the same dump.
     Drop,
 }
 
-/// Dumps a tree as nested lists (S-expressions), one declaration after the other.
+/// Returns the syntax tree as nested lists (S-expressions), one line or block per declaration.
 pub fn dump_ast(file: &File, parens: Parens) -> String {
     let dumper = Dumper { parens };
     let mut out = String::new();
@@ -33,7 +33,7 @@ pub fn dump_ast(file: &File, parens: Parens) -> String {
     out
 }
 
-/// Dumps the tokens of the parser, one per line: byte range, kind, text.
+/// Returns the tokens of the text, one per line, with byte range, kind and text.
 pub fn dump_tokens(text: &str, mode: Dialect) -> String {
     let mut out = String::new();
     for lexeme in lex(FileId(0), text, mode).lexemes {
@@ -47,17 +47,17 @@ pub fn dump_tokens(text: &str, mode: Dialect) -> String {
     out
 }
 
-/// Converter of syntax trees into nested lists.
+/// Converter of syntax trees into nested lists (S-expressions).
 struct Dumper {
     parens: Parens,
 }
 
-/// Creates a list of a name and the given parts.
+/// Creates a list that consists of `name` and the given parts.
 fn list_node(name: &str, parts: impl IntoIterator<Item = Sexp>) -> Sexp {
     Sexp::List(std::iter::once(Sexp::atom(name)).chain(parts).collect())
 }
 
-/// Creates a list of a name and the converted elements.
+/// Creates a list that consists of `name` and the elements, each converted by `one`.
 fn nodes<T>(name: &str, elements: &[T], one: impl Fn(&T) -> Sexp) -> Sexp {
     list_node(name, elements.iter().map(one))
 }

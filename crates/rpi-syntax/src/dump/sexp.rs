@@ -1,14 +1,14 @@
 //! Nested lists (S-expressions), each on one line if it fits.
 
-/// S-expression: an atom, or a list in parentheses.
+/// S-expression: an atom, a list in parentheses, or nothing.
 pub(super) enum Sexp {
     Atom(String),
     List(Vec<Sexp>),
-    /// No element: it is not written.
+    /// Placeholder for an absent part, which is not printed.
     Empty,
 }
 
-/// Maximum line width in characters.
+/// Maximum line width in characters; longer lists are printed on several lines.
 const WIDTH: usize = 100;
 
 impl Sexp {
@@ -16,7 +16,7 @@ impl Sexp {
         Sexp::Atom(text.into())
     }
 
-    /// Creates an atom of arbitrary text, in quotes and escaped.
+    /// Creates an atom whose text is printed in quotes, with escapes.
     pub(super) fn quoted(text: &str) -> Sexp {
         Sexp::Atom(format!("{text:?}"))
     }
@@ -34,7 +34,7 @@ impl Sexp {
         }
     }
 
-    /// Returns the width on one line in characters. Stops counting once `limit` is exceeded.
+    /// Returns the width in characters of the S-expression on one line. Stops counting once `limit` is exceeded.
     fn width(&self, limit: usize) -> usize {
         match self {
             Sexp::Atom(atom) => atom.chars().count(),

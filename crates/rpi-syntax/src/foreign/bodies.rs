@@ -134,7 +134,8 @@ pub(super) fn begin_end(found: &ErrorContext<'_, '_>) -> Option<ForeignSyntax> {
     Some(ForeignSyntax { diagnostic, repair })
 }
 
-/// Returns the `end` or `tel` that closes the body opened at token `begin`, skipping nested blocks.
+/// Returns the token index of the `end` or `tel` that closes the body opened at token `begin`, skipping nested blocks;
+/// `None` if there is none.
 fn block_end(found: &ErrorContext<'_, '_>, begin: usize) -> Option<usize> {
     let mut open = 0;
     (begin + 1..found.lexemes.len()).find(|at| {

@@ -39,7 +39,7 @@ pub(super) fn array_in_braces(found: &ErrorContext<'_, '_>) -> Option<ForeignSyn
     Some(ForeignSyntax { diagnostic, repair })
 }
 
-/// Returns whether the braces contain no field, only values.
+/// Returns whether the braces between the tokens `open` and `close` contain only values and no `name = value`.
 fn is_list(found: &ErrorContext<'_, '_>, open: usize, close: usize) -> bool {
     let is_field = |at: usize| {
         matches!(
@@ -110,7 +110,7 @@ pub(super) fn arguments_in_static_brackets(found: &ErrorContext<'_, '_>) -> Opti
     Some(ForeignSyntax { diagnostic, repair })
 }
 
-/// Recognises a range test within an expression: `x in 0..3`.
+/// Recognises a range test within an expression, which RPI writes as two comparisons: `x in 0..3`.
 pub(super) fn range_test(found: &ErrorContext<'_, '_>) -> Option<ForeignSyntax> {
     let at = found.error.index;
     if found.token_at(at) != Some(Token::DotDot) {

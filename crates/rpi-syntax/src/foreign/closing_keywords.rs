@@ -1,6 +1,7 @@
 //! Closing keywords of other languages, conditional expressions of Python, and automata in Lustre files.
 
-use super::operators::{CONDITIONAL_EXTENT_HELP, has_own_operator, operand_range};
+use super::conditional_extent::{has_own_operator, with_extent_fix};
+use super::operators::operand_range;
 use super::{ForeignSyntax, Repair, foreign_syntax};
 use crate::Dialect;
 use crate::guessed_declarations;
@@ -23,7 +24,8 @@ pub(super) fn end_for_tel(found: &ErrorContext<'_, '_>) -> Option<ForeignSyntax>
     Some(ForeignSyntax { diagnostic, repair })
 }
 
-/// Returns the `let` of a declaration's body and the foreign `end` that closes it.
+/// Returns the token indices of the `let` of a declaration's body and of the last word, such as `end`, that closes it
+/// in another language; `None` if the body is closed otherwise.
 fn body_closed_by_end(found: &ErrorContext<'_, '_>) -> Option<(usize, usize)> {
     let last = found.lexemes.len().checked_sub(1)?;
     // If the closing word is an identifier, the grammar rejects the token after it.
@@ -36,7 +38,7 @@ fn body_closed_by_end(found: &ErrorContext<'_, '_>) -> Option<(usize, usize)> {
     (is_there && is_body && closes_foreign_body(found.source_text(last))).then_some((open, last))
 }
 
-/// Returns whether a word closes a body in another language.
+/// Returns whether the word closes a body in another language, as `end_function` does.
 fn closes_foreign_body(word: &str) -> bool {
     const ENDS: [&str; 9] = [
         "end",
@@ -52,9 +54,10 @@ fn closes_foreign_body(word: &str) -> bool {
     ENDS.iter().any(|end| word.eq_ignore_ascii_case(end))
 }
 
-/// Returns the `let` of a state's body and the `end` that closes it.
+/// Returns the token indices of the `let` of a state's body and of the `end` that closes it. `None` unless the syntax
+/// error is at such an `end`.
 ///
-/// That `end` does not belong to the automaton: a transition, another state or the automaton's own `end` follows.
+/// The `end` does not close the automaton, because a transition, another state or a further `end` follows.
 fn state_closed_by_end(found: &ErrorContext<'_, '_>) -> Option<(usize, usize)> {
     use Token::{End, State, Tel, Unless, Until};
     let end = found.error.index;
@@ -89,7 +92,9 @@ pub(super) fn python_conditional(found: &ErrorContext<'_, '_>) -> Option<Foreign
         .primary(found.token_span(at), "the condition must come first");
     if has_own_operator(found, start..end) {
         return Some(ForeignSyntax {
-            diagnostic: diagnostic.help(CONDITIONAL_EXTENT_HELP),
+            diagnostic: with_extent_fix(found, diagnostic, [start..at, other + 1..end], |a, b| {
+                format!("if {c} then {a} else {b}")
+            }),
             repair: Repair::RemoveErrorPhrase,
         });
     }
@@ -110,7 +115,7 @@ pub(super) fn python_conditional(found: &ErrorContext<'_, '_>) -> Option<Foreign
     Some(ForeignSyntax { diagnostic, repair })
 }
 
-/// Recognises an automaton in a Lustre file: `automaton initial state S ... end`.
+/// Recognises an automaton in a Lustre file, where RPI does not accept automata: `automaton initial state S ... end`.
 pub(super) fn automaton_in_lustre(found: &ErrorContext<'_, '_>) -> Option<ForeignSyntax> {
     let at = found.error.index.checked_sub(1)?;
     let begins = matches!(found.source_text(at + 1), "initial" | "state");

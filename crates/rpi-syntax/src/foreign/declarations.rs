@@ -56,7 +56,7 @@ pub(super) fn enum_without_keyword(found: &ErrorContext<'_, '_>) -> Option<Forei
     })
 }
 
-/// Recognises modules named by a path or file: `use std::math;`, `use "motion";`, `include <motion>;`.
+/// Recognises a module that is named by a path or file: `use std::math;`, `use "motion";`, `include <motion>;`.
 pub(super) fn module_by_path(found: &ErrorContext<'_, '_>) -> Option<ForeignSyntax> {
     let at = found.error.index;
     let before = found.token_before()?;

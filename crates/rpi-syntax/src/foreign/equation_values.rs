@@ -1,7 +1,8 @@
 //! Errors in the right side of an equation: tuples without parentheses, foreign conditional expressions, operators as
 //! arguments.
 
-use super::operators::CONDITIONAL_EXTENT_HELP;
+use super::conditional_extent::with_parentheses;
+use super::operators::innermost_if;
 use super::{ForeignSyntax, Repair, foreign_syntax};
 use crate::syntax_errors::ErrorContext;
 use crate::token::Token;
@@ -50,7 +51,10 @@ pub(super) fn tuple_without_parens(found: &ErrorContext<'_, '_>) -> Option<Forei
         false => Fix::sure(title),
     };
     let diagnostic = foreign_syntax("several values are written in parentheses")
-        .primary(found.token_span(at), "`(a, b)`")
+        .primary(
+            found.token_span(at),
+            "begins another value of this equation",
+        )
         .fix(
             fix.insert_before(found.token_span(eq + 1), "(")
                 .insert_after(found.token_span(phrase.end - 1), ")"),
@@ -89,7 +93,8 @@ pub(super) fn increment(found: &ErrorContext<'_, '_>) -> Option<ForeignSyntax> {
     Some(ForeignSyntax { diagnostic, repair })
 }
 
-/// Keywords of conditional expressions in Structured Text: foreign spellings, RPI text, RPI tokens.
+/// Keywords of conditional expressions in Structured Text: spellings in lower case, text that RPI uses instead, and its
+/// tokens.
 const UPPER_CASE_KEYWORDS: [(&[&str], &str, &[Token]); 5] = [
     (&["if"], "if", &[Token::If]),
     (&["then"], "then", &[Token::Then]),
@@ -192,8 +197,10 @@ pub(super) fn conditional_with_braces(found: &ErrorContext<'_, '_>) -> Option<Fo
     let diagnostic = foreign_syntax("a conditional expression is written `if c then x else y`")
         .primary(found.token_span(at), "a value cannot be in braces");
     if !ends_value(found, last + 1) {
+        let own = innermost_if(found)?;
+        let place = found.range_span(own..last + 1);
         return Some(ForeignSyntax {
-            diagnostic: diagnostic.help(CONDITIONAL_EXTENT_HELP),
+            diagnostic: with_parentheses(diagnostic, fix, place),
             repair: Repair::RemoveErrorPhrase,
         });
     }
@@ -203,7 +210,7 @@ pub(super) fn conditional_with_braces(found: &ErrorContext<'_, '_>) -> Option<Fo
     })
 }
 
-/// Returns whether token `at` ends the expression before it.
+/// Returns whether token `at` cannot continue an expression: `,`, `;`, a closing bracket or the end of the text.
 fn ends_value(found: &ErrorContext<'_, '_>, at: usize) -> bool {
     use Token::{Comma, RBrace, RBracket, RParen, Semi};
     matches!(
@@ -212,7 +219,8 @@ fn ends_value(found: &ErrorContext<'_, '_>, at: usize) -> bool {
     )
 }
 
-/// Returns `word` with the spaces that it needs when it replaces token `at`; a space may remain for an empty word.
+/// Returns `word` with the spaces that it needs in the source text in place of token `at`. An empty word becomes a
+/// space where the words around it would join.
 fn spaced_word(found: &ErrorContext<'_, '_>, at: usize, word: &str) -> String {
     let place = found.token_span(at);
     let before = found.cx.text[..place.start as usize].chars().next_back();
@@ -233,14 +241,15 @@ fn spaced_word(found: &ErrorContext<'_, '_>, at: usize, word: &str) -> String {
     format!("{}{word}{}", space(before), space(after))
 }
 
-/// Returns the closing brace of a pair that encloses a value.
+/// Returns the token index of the `}` that matches the brace at token `open`; `None` if the braces are empty or contain
+/// a statement.
 fn closing(found: &ErrorContext<'_, '_>, open: usize) -> Option<usize> {
     let close = found.structure.partner(open)?;
     let is_value = close > open + 1 && found.token_at(close - 1) != Some(Token::Semi);
     (is_value && found.token_at(close) == Some(Token::RBrace)).then_some(close)
 }
 
-/// Recognises `fby` as a function, in the syntax of SCADE: `fby(x, 1, 0)`.
+/// Recognises the delay of SCADE, `fby` as a function: `fby(x, 1, 0)`.
 pub(super) fn fby_function(found: &ErrorContext<'_, '_>) -> Option<ForeignSyntax> {
     let at = found.error.index;
     if found.token_at(at) != Some(Token::Fby)
@@ -273,7 +282,8 @@ pub(super) fn fby_function(found: &ErrorContext<'_, '_>) -> Option<ForeignSyntax
     })
 }
 
-/// Returns `0 fby x` for the arguments `(x, 1, 0)`, if the delay is one cycle.
+/// Returns `0 fby x` for the arguments `(x, 1, 0)` after the parenthesis at token `open`. `None` unless the delay is
+/// one cycle and each argument is one token.
 fn unit_delay(found: &ErrorContext<'_, '_>, open: usize) -> Option<String> {
     let close = found.structure.partner(open)?;
     let is_comma = |i: &usize| {

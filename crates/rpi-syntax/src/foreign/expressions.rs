@@ -44,7 +44,8 @@ pub(super) fn case_expression(found: &ErrorContext<'_, '_>) -> Option<ForeignSyn
     })
 }
 
-/// Returns the index one past the cases of a `case` expression, which may be separated by `;`.
+/// Returns the index one past the tokens of a `case` expression, whose cases may be separated by `;`. The expression
+/// begins at token `at`; its first phrase ends at `end`.
 fn cases_end(found: &ErrorContext<'_, '_>, at: usize, end: usize) -> usize {
     use Token::{Arrow, Bar, Colon, Else, End, Implies, Semi};
     let mut end = end.max(at + 1);
@@ -66,7 +67,7 @@ fn cases_end(found: &ErrorContext<'_, '_>, at: usize, end: usize) -> usize {
     end
 }
 
-/// Returns the names before the `=` of an equation.
+/// Returns the names before the `=` in the tokens `start..end`; empty without `=`.
 fn equation_targets(found: &ErrorContext<'_, '_>, start: usize, end: usize) -> Vec<Ident> {
     let Some(sign) = (start..end).find(|at| found.token_at(*at) == Some(Token::Eq)) else {
         return Vec::new();
@@ -91,7 +92,8 @@ pub(super) fn lambda(found: &ErrorContext<'_, '_>) -> Option<ForeignSyntax> {
     Some(remove_phrase(diagnostic))
 }
 
-/// Combines a diagnostic with the usual repair, which removes the phrase that contains the error.
+/// Combines a diagnostic with the default repair, which removes the statement or declaration that contains the syntax
+/// error.
 fn remove_phrase(diagnostic: rpi_diag::Diagnostic) -> ForeignSyntax {
     ForeignSyntax {
         diagnostic,
@@ -136,7 +138,8 @@ pub(super) fn if_function(found: &ErrorContext<'_, '_>) -> Option<ForeignSyntax>
     Some(ForeignSyntax { diagnostic, repair })
 }
 
-/// Returns the commas and semicolons directly within a pair of brackets.
+/// Returns the token indices of the commas and semicolons directly within the brackets at the tokens `open` and
+/// `close`.
 fn commas(found: &ErrorContext<'_, '_>, open: usize, close: usize) -> Vec<usize> {
     let is = |i: &usize| {
         matches!(found.token_at(*i), Some(Token::Comma | Token::Semi))
@@ -163,7 +166,7 @@ pub(super) fn merge_without_cases(found: &ErrorContext<'_, '_>) -> Option<Foreig
     Some(remove_phrase(diagnostic))
 }
 
-/// Recognises a clock that is not a name: `y = x when (c and d)`.
+/// Recognises a clock that is an expression instead of the name of a flow: `y = x when (c and d)`.
 pub(super) fn clock_expression(found: &ErrorContext<'_, '_>) -> Option<ForeignSyntax> {
     let fault = found.error.index;
     let when = (0..fault)
@@ -226,7 +229,8 @@ pub(super) fn misplaced_every(found: &ErrorContext<'_, '_>) -> Option<ForeignSyn
     Some(remove_phrase(diagnostic))
 }
 
-/// Returns the span of a reset call and its RPI form, if all its parts are present and simple.
+/// Returns the source range of a call with a misplaced `every`, and its RPI form `(restart f every c)(x)`. `None`
+/// unless callee and arguments are simple. `at` is the token of the misplaced word.
 fn restart_form(found: &ErrorContext<'_, '_>, at: usize) -> Option<(rpi_diag::Span, String)> {
     let every = (at..at + 100).find(|at| found.source_text(*at) == "every")?;
     let close = every.checked_sub(1)?;
@@ -284,9 +288,8 @@ pub(super) fn method_call(found: &ErrorContext<'_, '_>) -> Option<ForeignSyntax>
         .iter()
         .any(|word| name.to_ascii_lowercase().starts_with(word))
     {
-        true => {
-            "a motion is a fragment: `way = Line(arm, p);`, then `arm.tcp = way.pose;`".to_owned()
-        }
+        true => "a motion is a fragment: `way = Line(arm, p);`, then `arm.joints = way.joints;`"
+            .to_owned(),
         false => format!("a node takes the value as an argument: `y = {name}({of}, ...);`"),
     };
     Some(remove_phrase(diagnostic.help(help)))
@@ -397,7 +400,7 @@ pub(super) fn several_indices(found: &ErrorContext<'_, '_>) -> Option<ForeignSyn
     Some(remove_phrase(diagnostic))
 }
 
-/// Recognises a keyword before a call: `y = call f(x);`, `y = new f(x);`.
+/// Recognises a redundant keyword before a call: `y = call f(x);`, `y = new f(x);`.
 pub(super) fn call_keyword(found: &ErrorContext<'_, '_>) -> Option<ForeignSyntax> {
     let fault = found.error.index;
     let at = fault.checked_sub(1)?;

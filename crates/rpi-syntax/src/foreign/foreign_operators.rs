@@ -4,19 +4,20 @@ use super::foreign_syntax;
 use crate::token::Token;
 use rpi_diag::{Diagnostic, Fix, Span};
 
-/// Operator of another language, with the operator of this one to write in its place.
+/// Operator of another language, with the RPI operator that has the same meaning.
 pub(crate) struct ForeignOperator {
     /// Spelling of the operator in the other language.
     spelling: &'static str,
-    /// Name of the operation, as used in messages.
+    /// Name of the operation in messages, such as "equality".
     name: &'static str,
-    /// Equivalent RPI token.
+    /// RPI operator with the same meaning.
     pub(crate) token: Token,
-    /// Whether the operator has this meaning in every language that has it.
+    /// Whether the operator has this meaning in all languages that have it, so that the fix can be applied
+    /// automatically.
     is_sure: bool,
 }
 
-/// Creates the table row of an operator with the same meaning in all languages that have it.
+/// Creates a table row for an operator that has the same meaning in all languages that have it.
 const fn row(written: &'static str, name: &'static str, token: Token) -> ForeignOperator {
     ForeignOperator {
         spelling: written,
@@ -26,7 +27,7 @@ const fn row(written: &'static str, name: &'static str, token: Token) -> Foreign
     }
 }
 
-/// Creates the table row of an operator whose meaning differs between languages.
+/// Creates a table row for an operator whose meaning differs between languages.
 const fn ambiguous_row(written: &'static str, name: &'static str, token: Token) -> ForeignOperator {
     ForeignOperator {
         is_sure: false,
@@ -51,33 +52,38 @@ pub(crate) const FOREIGN_OPERATORS: &[ForeignOperator] = &[
     row("==>", "implication", Token::Implies),
 ];
 
-/// Construct that a foreign `:=` belongs to.
+/// Construct in which a foreign `:=` occurs. It decides the replacement of the `:=`.
 #[derive(Clone, Copy, PartialEq, Eq)]
 pub(crate) enum AssignContext {
     /// Definition of a flow: `y := x`.
     Definition,
     /// Named argument of a call: `f(x := 1)`.
     Argument,
-    /// Any other construct, or one that is not recognised.
+    /// Comparison in a condition: `if x := 1 then`.
+    Comparison,
+    /// The `:=` is neither in a definition nor after the name of an argument.
     Other,
 }
 
-/// Reports a foreign `:=`. Returns the diagnostic and the RPI token that replaces it.
+/// Reports a `:=` of another language at `span`. Returns the diagnostic and the RPI token that replaces the `:=`.
 pub(crate) fn assign_diagnostic(span: Span, text: &str, of: AssignContext) -> (Diagnostic, Token) {
     let seen = "`:=` is from another language";
     let (message, sign, token) = match of {
         AssignContext::Argument => ("an argument name is followed by `:`", ":", Token::Colon),
         _ if is_in_brackets(&text[..span.start as usize]) => {
-            let diagnostic = foreign_syntax("a modified copy of a value is written with `with`")
-                .primary(span, seen);
-            let diagnostic = diagnostic.help("write `(a with [0] = x)`, `(r with .n = x)`");
-            return (diagnostic, Token::Eq);
+            return (foreign_update(span, text).primary(span, seen), Token::Eq);
         }
-        _ => ("a definition is written `=`", "=", Token::Eq),
+        AssignContext::Definition => ("a definition is written with `=`", "=", Token::Eq),
+        AssignContext::Comparison => ("a comparison is written with `=`", "=", Token::Eq),
+        AssignContext::Other => (
+            "a definition or a comparison is written with `=`",
+            "=",
+            Token::Eq,
+        ),
     };
     let title = format!("write `{sign}`");
     let fix = match of {
-        AssignContext::Other => Fix::maybe(title),
+        AssignContext::Comparison | AssignContext::Other => Fix::maybe(title),
         _ => Fix::sure(title),
     };
     (
@@ -88,14 +94,54 @@ pub(crate) fn assign_diagnostic(span: Span, text: &str, of: AssignContext) -> (D
     )
 }
 
-/// Returns the row of a foreign operator, if `written` is one.
+/// Returns the diagnostic for an update in brackets, `a[0 := x]`, with its RPI form. `span` is the place of `:=`.
+fn foreign_update(span: Span, text: &str) -> Diagnostic {
+    let diagnostic = foreign_syntax("a modified copy of a value is written with `with`");
+    let Some((place, [base, part, value])) = update_parts(span, text) else {
+        return diagnostic.help("write `(... with [...] = ...)` for an element of an array, `(... with .name = ...)` for a field");
+    };
+    let element = format!("({base} with [{part}] = {value})");
+    let field = format!("({base} with .{part} = {value})");
+    match part.starts_with(|c: char| c.is_ascii_digit()) {
+        true => {
+            diagnostic.fix(Fix::maybe(format!("write `{element}`")).replace(place, element.clone()))
+        }
+        false => diagnostic.help(format!(
+            "write `{field}` for a field, `{element}` for an element of an array"
+        )),
+    }
+}
+
+/// Returns the place and the parts of an update `a[0 := x]`: the value, the changed part and its new value.
+fn update_parts(span: Span, text: &str) -> Option<(Span, [&str; 3])> {
+    let (before, after) = (
+        text.get(..span.start as usize)?,
+        text.get(span.end as usize..)?,
+    );
+    let open = before.rfind('[')?;
+    let close = after.find(']')?;
+    let (part, value) = (before[open + 1..].trim(), after[..close].trim());
+    let is_name = |c: char| c.is_alphanumeric() || matches!(c, '_' | '.');
+    let start = before[..open].rfind(|c| !is_name(c)).map_or(0, |at| at + 1);
+    let base = &before[start..open];
+    let is_simple = |part: &str| !part.is_empty() && part.chars().all(is_name);
+    let place = Span {
+        start: start as u32,
+        end: span.end + close as u32 + 1,
+        ..span
+    };
+    let is_whole = is_simple(base) && is_simple(part) && !value.contains(['[', '\n', ';', ':']);
+    is_whole.then_some((place, [base, part, value]))
+}
+
+/// Returns the table row of the foreign operator with the spelling `written`; `None` if there is none.
 pub(crate) fn find_operator(written: &str) -> Option<&'static ForeignOperator> {
     FOREIGN_OPERATORS
         .iter()
         .find(|sign| sign.spelling == written)
 }
 
-/// Returns the diagnostic for an operator of another language, with the operator to write instead.
+/// Returns the diagnostic for the foreign operator `sign` at `span`, with a fix that writes the RPI operator.
 pub(crate) fn operator_diagnostic(span: Span, text: &str, sign: &ForeignOperator) -> Diagnostic {
     let meant = sign.token.spelling().unwrap_or_default();
     let title = format!("write `{meant}`");
@@ -111,7 +157,8 @@ pub(crate) fn operator_diagnostic(span: Span, text: &str, sign: &ForeignOperator
         .fix(fix.replace(span, with_spaces(span, text, meant)))
 }
 
-/// Returns whether the text ends within an open `[` of its last statement. Looks back 400 characters at most.
+/// Returns whether a `[` of the last statement is still open at the end of the text. Looks at the last 400 characters
+/// only.
 fn is_in_brackets(before: &str) -> bool {
     let mut closed = 0u32;
     let near = before.chars().rev().take(400);
@@ -126,7 +173,7 @@ fn is_in_brackets(before: &str) -> bool {
     false
 }
 
-/// Returns `word` with the spaces that separate it from the text on both sides of `span`.
+/// Returns `word` with the spaces that separate it from the characters of `text` before and after `span`.
 pub(crate) fn with_spaces(span: Span, text: &str, word: &str) -> String {
     let is_word = word.starts_with(|c: char| c.is_ascii_alphabetic());
     let joins = |c: char| is_word && !c.is_whitespace() && c != '(';

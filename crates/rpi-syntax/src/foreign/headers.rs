@@ -90,11 +90,8 @@ pub(super) fn unclosed_ports(found: &ErrorContext<'_, '_>) -> Option<ForeignSynt
     if !goes_on || in_body || !found.expects(RParen) {
         return None;
     }
-    let last = found.token_span(at - 1);
     Some(ForeignSyntax {
-        diagnostic: found
-            .unclosed_bracket(open)
-            .fix(Fix::sure("insert `)`").insert_after(last, ")")),
+        diagnostic: found.unclosed_bracket(open),
         repair: Repair::ReplaceTokens(vec![found.insertion(at, RParen)]),
     })
 }
@@ -149,17 +146,17 @@ pub(super) fn type_first(found: &ErrorContext<'_, '_>) -> Option<ForeignSyntax> 
     Some(ForeignSyntax { diagnostic, repair })
 }
 
-/// Returns whether two names in a row are a type and the name declared with it.
+/// Returns whether token `at` and the token before it are a name and its type, as in `Limits l`.
 ///
-/// Names of types usually begin with a capital letter, names of flows do not. Where the grammar accepts a value, the
-/// cause is a missing comma or operator instead.
+/// As a heuristic, the names of types begin with a capital letter and those of flows do not. Where the grammar accepts
+/// a value, the cause is a missing comma or operator instead.
 fn is_declared_by_type(found: &ErrorContext<'_, '_>, at: usize) -> bool {
     let is_upper = |at: usize| found.source_text(at).starts_with(char::is_uppercase);
     let is_declaration = found.expects(Token::Colon) && !found.expects(Token::Plus);
     is_declaration && is_upper(at - 1) && !is_upper(at)
 }
 
-/// Returns the tokens `x: real` for `real x`.
+/// Returns the tokens of `x: real` that replace those of `real x`, whose type is at token `ty`.
 // The new tokens lie at the end of the old ones: the grammar needs locations in text order.
 fn swap_type_and_name(found: &ErrorContext<'_, '_>, ty: usize) -> Vec<Lexeme> {
     let name = found.lexemes[ty + 1];
@@ -206,7 +203,8 @@ pub(super) fn size_in_brackets(found: &ErrorContext<'_, '_>) -> Option<ForeignSy
     Some(ForeignSyntax { diagnostic, repair })
 }
 
-/// Creates a fix for the size of an array: not a sure one for two sizes, `int[3][2]`, whose order changes too.
+/// Creates a fix for the notation of an array size. The fix is not sure if a further size follows at token `next`, as
+/// in `int[3][2]`, because the order of the sizes changes too.
 fn size_fix(found: &ErrorContext<'_, '_>, next: usize, title: String) -> Fix {
     match found.token_at(next) {
         Some(Token::LBracket) => Fix::maybe(title),
@@ -262,7 +260,8 @@ pub(super) fn array_of(found: &ErrorContext<'_, '_>) -> Option<ForeignSyntax> {
     })
 }
 
-/// Returns the size of an array written as `3`, `n` or `0..2` (which is 3).
+/// Returns the size of an array from the tokens between its brackets, `3`, `n` or `0..2` (which is 3); `None` for other
+/// forms.
 fn array_size(found: &ErrorContext<'_, '_>, range: std::ops::Range<usize>) -> Option<String> {
     use Token::{DotDot, Ident, Int};
     let tokens: Vec<Token> = range.clone().filter_map(|at| found.token_at(at)).collect();
@@ -319,6 +318,7 @@ pub(super) fn unit_of_int(found: &ErrorContext<'_, '_>) -> Option<ForeignSyntax>
         )
         .secondary(span, "declared as an integer")
         .fix(Fix::maybe("make it a `real`").replace(span, "real"));
-    let repair = Repair::ReplaceTokens(vec![found.replacement(at - 1, &[Token::RealType])]);
+    // The type stays the declared one, so that equations with other integers are not reported as well.
+    let repair = Repair::ReplaceTokens(vec![(at..close + 1, Vec::new())]);
     Some(ForeignSyntax { diagnostic, repair })
 }

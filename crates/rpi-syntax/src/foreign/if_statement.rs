@@ -27,9 +27,7 @@ pub(super) fn if_statement(found: &ErrorContext<'_, '_>) -> Option<ForeignSyntax
             };
             diagnostic.fix(Fix::maybe(title).replace(place, meant))
         }
-        None => diagnostic.help(
-            "each flow has one equation, with a value for both branches: `y = if c then a else b;`",
-        ),
+        None => diagnostic.help(equation_help(found, at..end)),
     };
     found
         .cx
@@ -40,7 +38,24 @@ pub(super) fn if_statement(found: &ErrorContext<'_, '_>) -> Option<ForeignSyntax
     })
 }
 
-/// Returns the index of the first token of the statement with the error.
+/// Returns the form of the equation of the first flow that an `if` statement defines.
+fn equation_help(found: &ErrorContext<'_, '_>, range: Range<usize>) -> String {
+    let names = defined_names(found, range.clone());
+    let name = names.first().map_or("...", |first| first.name.as_str());
+    let then = range
+        .clone()
+        .find(|at| found.token_at(*at) == Some(Token::Then));
+    let condition = match then {
+        Some(then) if then > range.start + 1 => found.range_text(range.start + 1..then),
+        _ => "...",
+    };
+    format!(
+        "each flow has one equation, with one value for each branch: `{name} = if {condition} then ... else ...;`"
+    )
+}
+
+/// Returns the index of the first token of the `if` statement with the syntax error; `None` if the error is in another
+/// construct.
 fn statement_start(found: &ErrorContext<'_, '_>) -> Option<usize> {
     let at = found.error.index;
     if matches!(found.token_at(at), Some(Token::If | Token::When)) && found.expects_equation() {
@@ -58,34 +73,34 @@ fn is_any_of(found: &ErrorContext<'_, '_>, at: usize, words: &[&str]) -> bool {
     words.iter().any(|word| written.eq_ignore_ascii_case(word))
 }
 
-/// Branch of a foreign `if` statement.
+/// Branch of an `if` statement in another language.
 struct Branch {
-    /// Token indices of the condition; `None` for the `else` branch.
+    /// Range of the tokens of the condition; `None` for the `else` branch.
     condition: Option<Range<usize>>,
-    /// Assigned names (token index) with the token indices of their values.
+    /// Assigned names (as token indices), each with the range of the tokens of its value.
     values: Vec<(usize, Range<usize>)>,
 }
 
-/// Reader of an `if` statement; `at` is the index of the current token.
+/// Reader of an `if` statement in another language; `at` is the index of the current token.
 struct IfReader<'r, 'f, 't> {
     found: &'r ErrorContext<'f, 't>,
     at: usize,
 }
 
-/// Delimiters around the equations of a branch.
+/// Delimiters around the assignments of a branch.
 #[derive(Clone, Copy, PartialEq, Eq)]
 enum Delimiters {
-    /// Braces, as in C.
+    /// Braces around the assignments, as in C.
     Braces,
     /// Keywords or a colon, as in Structured Text and Python.
     Keywords,
-    /// No delimiters: the branch is one statement.
+    /// No delimiters: the branch is one assignment.
     Bare,
 }
 
 impl IfReader<'_, '_, '_> {
-    /// Reads the branches of the statement. Returns them and the index one past the statement; [`None`] if any part is
-    /// not recognised.
+    /// Reads the branches of the statement. Returns the branches and the index one past the last token; [`None`] if any
+    /// part is not recognised.
     fn choice(mut self) -> Option<(Vec<Branch>, usize)> {
         let mut branches = Vec::new();
         loop {
@@ -211,7 +226,7 @@ impl IfReader<'_, '_, '_> {
         }
     }
 
-    /// Returns whether the current `if` belongs to `end if`.
+    /// Returns whether the current token is the `if` of an `end if`, and not the start of another statement.
     // An `if` that begins a new statement is followed by its condition on the same line.
     fn is_end_of_if(&self) -> bool {
         let lexemes = self.found.lexemes;
@@ -232,11 +247,12 @@ impl IfReader<'_, '_, '_> {
     }
 }
 
-/// Longest text of a fix, in bytes.
+/// Maximum length of the text of a fix, in bytes. Without a better fix, the diagnostic has a help text instead.
 // Each equation repeats all conditions, so the text can grow with the product of branches and flows.
 const MAX_FIX_LEN: usize = 4_000;
 
-/// Returns the equivalent equations, one per flow, if every branch defines the same flows exactly once.
+/// Returns the text of the equivalent equations, one per flow, for the statement at token `at`. `None` unless each
+/// branch defines the same flows exactly once and the text is short enough.
 fn equivalent_equations(
     found: &ErrorContext<'_, '_>,
     at: usize,
@@ -291,7 +307,7 @@ fn equivalent_equations(
 }
 
 impl ErrorContext<'_, '_> {
-    /// Returns the source text of a range of tokens, with foreign operators replaced by those of RPI.
+    /// Returns the source text of a range of tokens, with operators of other languages replaced by those of RPI.
     fn translated_text(&self, range: Range<usize>) -> String {
         let mut text = String::new();
         for at in range.clone() {

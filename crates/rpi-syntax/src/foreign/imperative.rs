@@ -2,6 +2,7 @@
 
 use super::{ForeignSyntax, Repair, foreign_syntax};
 use crate::ast::Ident;
+use crate::guessed_declarations;
 use crate::syntax_errors::ErrorContext;
 use crate::token::Token;
 use rpi_diag::{Code, Diagnostic, Fix, Span};
@@ -142,7 +143,7 @@ pub(super) fn return_statement(found: &ErrorContext<'_, '_>) -> Option<ForeignSy
     })
 }
 
-/// Returns the names of the out-ports in the header of the declaration.
+/// Returns the names of the out-ports in the header of the declaration; empty if they cannot be read.
 fn outputs(found: &ErrorContext<'_, '_>) -> Vec<Ident> {
     let Some(word) = (0..found.error.index).find(|at| found.token_at(*at) == Some(Token::Returns))
     else {
@@ -194,9 +195,13 @@ pub(super) fn unnamed_result(found: &ErrorContext<'_, '_>) -> Option<ForeignSynt
         (Fragment, When | Let) => {
             let diagnostic = missing_name(found, "this fragment has no name")
                 .help("its flows are read through its name: `fragment Slow when c let y = ...; tel`, then `Slow.y`");
+            let phrase = found.structure.phrase(at);
+            let names =
+                guessed_declarations::inner_targets(found.cx, &found.lexemes[phrase.clone()]);
+            let names = names.collect();
             Some(ForeignSyntax {
                 diagnostic,
-                repair: Repair::RemoveErrorPhrase,
+                repair: Repair::RemovePhrase(phrase, names),
             })
         }
         _ => None,
@@ -210,7 +215,8 @@ fn missing_name(found: &ErrorContext<'_, '_>, message: &str) -> Diagnostic {
     )
 }
 
-/// Returns the index one past the last token of a foreign block: its `end`, its last brace, or the enclosing `tel`.
+/// Returns the index one past the last token of a foreign block that begins at token `at`: after its `end` or closing
+/// brace, or at the enclosing `tel`.
 pub(super) fn block_end(found: &ErrorContext<'_, '_>, at: usize) -> usize {
     let mut i = at;
     while let Some(token) = found.token_at(i) {
@@ -248,7 +254,7 @@ pub(super) fn block_end(found: &ErrorContext<'_, '_>, at: usize) -> usize {
     found.lexemes.len()
 }
 
-/// Returns the names that equations in a range of tokens seem to define, each once.
+/// Returns the names that equations in the range of tokens seem to define, each name once.
 pub(super) fn defined_names(found: &ErrorContext<'_, '_>, range: Range<usize>) -> Vec<Ident> {
     use Token::{Colon, Else, Eq, Ident as Word, LBrace, Let, RParen, Semi, Then};
     let begins = |at: usize| {
@@ -277,7 +283,7 @@ pub(super) fn defined_names(found: &ErrorContext<'_, '_>, range: Range<usize>) -
     names
 }
 
-/// Returns the empty span at the end of `span`.
+/// Returns the empty span at the end of `span`, for labels and insertions after it.
 pub(super) fn end_of_span(span: Span) -> Span {
     Span {
         start: span.end,
@@ -286,7 +292,7 @@ pub(super) fn end_of_span(span: Span) -> Span {
 }
 
 impl ErrorContext<'_, '_> {
-    /// Returns token `at` as an identifier.
+    /// Returns the token at index `at` as an identifier.
     pub(super) fn ident(&self, at: usize) -> Ident {
         let lexeme = self.lexemes[at];
         self.cx.ident(lexeme.start, lexeme.end)

@@ -10,7 +10,8 @@ use rpi_diag::{Diagnostic, Fix};
 use std::collections::BTreeSet;
 use std::ops::Range;
 
-/// Reports initial values of locals that also have an equation. Returns the tokens without these values, or [`None`].
+/// Reports initial values of locals that also have an equation, as in `var x: int := 0;`. Returns the tokens without
+/// these values; [`None`] if there are none.
 pub(crate) fn remove_initial_values(
     cx: &ParseContext<'_>,
     lexemes: &[Lexeme],
@@ -34,7 +35,8 @@ pub(crate) fn remove_initial_values(
     (kept.len() < lexemes.len()).then_some(kept)
 }
 
-/// Returns each local's name with the token range of its `:= 0`, in text order.
+/// Returns the initial values among the local declarations at the tokens `locals`: for each, the token index of the
+/// name and the token range of its `:= 0`.
 fn initial_values(
     cx: &ParseContext<'_>,
     lexemes: &[Lexeme],
@@ -57,7 +59,7 @@ fn initial_values(
     values
 }
 
-/// Returns the names that the equations of a body define.
+/// Returns the names on the left sides of the equations in the tokens of a body.
 fn defined_names<'t>(cx: &ParseContext<'t>, body: &[Lexeme]) -> BTreeSet<&'t str> {
     use Token::{Eq, Ident, Let, Semi, Tel};
     let is_equation = |w: &&[Lexeme]| {

@@ -8,10 +8,10 @@ use crate::Dialect;
 use crate::ast::Ident;
 use crate::syntax_errors::ErrorContext;
 use crate::token::Token;
-use rpi_diag::{Code, Diagnostic, Span};
+use rpi_diag::{Code, Diagnostic, Span, Subject};
 use std::ops::Range;
 
-/// Recognises set and map literals: `{1, 2}`, `map[]@<int, bool>`.
+/// Recognises set and map literals of Kind 2, which RPI does not support: `{1, 2}`, `map[]@<int, bool>`.
 pub(super) fn set_or_map(found: &ErrorContext<'_, '_>) -> Option<ForeignSyntax> {
     let at = found.error.index.checked_sub(1)?;
     let is_map = at > 0 && found.source_text(at - 1) == "map";
@@ -21,14 +21,16 @@ pub(super) fn set_or_map(found: &ErrorContext<'_, '_>) -> Option<ForeignSyntax> 
         _ => return None,
     };
     let last = found.structure.partner(at).unwrap_or(at);
-    remove_phrase(
-        found,
-        &format!("a {name}"),
-        found.range_span(first..last + 1),
-    )
+    let construct = format!("a {name}");
+    let mut syntax = remove_phrase(found, &construct, found.range_span(first..last + 1))?;
+    syntax.diagnostic = syntax.diagnostic.about(Subject::Construct(construct));
+    syntax.diagnostic.help = vec![
+        "store the elements in an array of a fixed size, such as `int^8`, with the number of used elements; or leave the node to a model checker such as Kind 2".to_owned(),
+    ];
+    Some(syntax)
 }
 
-/// Recognises a reachability query: `check reachable x > 3`.
+/// Recognises a reachability query of Kind 2, which RPI does not support: `check reachable x > 3`.
 pub(super) fn reachability_query(found: &ErrorContext<'_, '_>) -> Option<ForeignSyntax> {
     let at = found.error.index.checked_sub(1)?;
     let follows_check = at > 0 && found.source_text(at - 1) == "check";
@@ -38,7 +40,7 @@ pub(super) fn reachability_query(found: &ErrorContext<'_, '_>) -> Option<Foreign
     remove_phrase(found, "a reachability query", found.token_span(at))
 }
 
-/// Recognises a recursive function: `function rec f (n: int)`.
+/// Recognises a recursive function of Kind 2, which RPI does not support: `function rec f (n: int)`.
 pub(super) fn recursive_function(found: &ErrorContext<'_, '_>) -> Option<ForeignSyntax> {
     let at = found.error.index.checked_sub(1)?;
     let follows = at > 0 && matches!(found.token_at(at - 1), Some(Token::Function | Token::Node));
@@ -53,7 +55,8 @@ pub(super) fn recursive_function(found: &ErrorContext<'_, '_>) -> Option<Foreign
     })
 }
 
-/// Reports an unsupported construct at `span` and removes the phrase that contains it.
+/// Reports an unsupported construct of Kind 2 at `span`. The repair removes the statement that contains the syntax
+/// error. `None` unless the file is a Lustre file.
 fn remove_phrase(
     found: &ErrorContext<'_, '_>,
     construct: &str,
@@ -68,7 +71,7 @@ fn remove_phrase(
     })
 }
 
-/// Returns the names before the `=` of an equation.
+/// Returns the names at the start of a range of tokens, such as the left side of an equation.
 fn defined_names(found: &ErrorContext<'_, '_>, phrase: Range<usize>) -> Vec<Ident> {
     let is_head = |at: &usize| {
         matches!(
@@ -84,7 +87,7 @@ fn defined_names(found: &ErrorContext<'_, '_>, phrase: Range<usize>) -> Vec<Iden
         .collect()
 }
 
-/// Creates the diagnostic of an unsupported construct; `None` unless the file is a Lustre file.
+/// Creates the diagnostic of an unsupported construct of Kind 2 at `span`; `None` unless the file is a Lustre file.
 fn unsupported(found: &ErrorContext<'_, '_>, construct: &str, span: Span) -> Option<Diagnostic> {
     let diagnostic = Diagnostic::new(
         Code::RPI0001,

@@ -5,7 +5,7 @@ use crate::syntax_errors::ErrorContext;
 use crate::token::Token;
 use rpi_diag::{Code, Diagnostic, Fix};
 
-/// Keywords that begin statements.
+/// Keywords that begin statements, as candidates for a misspelt first word.
 const STATEMENTS: &[Token] = &[
     Token::Assert,
     Token::Automaton,
@@ -17,15 +17,16 @@ const STATEMENTS: &[Token] = &[
     Token::Yield,
 ];
 
-/// Operators written as words. A similar word, such as `nand` or `xnor`, may be another operator, not a misspelling.
+/// Operators written as words. An unknown word that resembles one, such as `nand`, may be another operator instead of a
+/// misspelling.
 const OPERATORS: &[&str] = &[
     "and", "or", "xor", "nor", "not", "mod", "div", "when", "fby", "pre", "last", "current",
 ];
 
-/// Shortest word that is compared, in bytes. Shorter ones resemble too many words.
+/// Minimum length in bytes of a word that is compared with keywords. Shorter words resemble too many others.
 const MIN_LEN: usize = 3;
 
-/// Longest word after a number that is taken for a unit, in bytes.
+/// Maximum length in bytes of a word after a number that may be a unit instead of a misspelt keyword.
 const MAX_UNIT_LEN: usize = 3;
 
 /// Recognises a misspelt keyword: `(x: int) retuns (y: int)`.
@@ -48,7 +49,8 @@ pub(super) fn keyword(found: &ErrorContext<'_, '_>) -> Option<ForeignSyntax> {
     replace_keyword(found, at, &found.error.expected, fix)
 }
 
-/// Returns whether the nearest keyword is unambiguous: no other accepted keyword is similar, and no name is equal.
+/// Returns whether the misspelt word at token `at` resembles only one of the keywords `words`, and occurs nowhere else
+/// in the declaration.
 fn is_unambiguous(found: &ErrorContext<'_, '_>, at: usize, words: &[Token]) -> bool {
     let meant = nearest_keyword(found, at, words);
     let others: Vec<Token> = words
@@ -78,7 +80,8 @@ pub(super) fn tel(found: &ErrorContext<'_, '_>) -> Option<ForeignSyntax> {
     replace_keyword(found, at, &[Token::Tel], Fix::maybe)
 }
 
-/// Returns the name before the rejected token, if it is the first token of a statement and `=` was expected after it.
+/// Returns the token index of a name before the rejected token that begins a statement and is not followed by `=`;
+/// `None` if there is no such name.
 fn taken_for_a_flow(found: &ErrorContext<'_, '_>) -> Option<usize> {
     let at = found.error.index.checked_sub(1)?;
     let begins = at.checked_sub(1).and_then(|before| found.token_at(before));
@@ -90,7 +93,8 @@ fn taken_for_a_flow(found: &ErrorContext<'_, '_>) -> Option<usize> {
     (is_first && is_name).then_some(at)
 }
 
-/// Reports that token `at` resembles one of `words`, and replaces it by the nearest one.
+/// Reports that token `at` resembles one of the keywords `words`, and replaces it by the most similar one; `None` if
+/// none is similar. `fix` creates the fix from its title.
 fn replace_keyword(
     found: &ErrorContext<'_, '_>,
     at: usize,
@@ -114,7 +118,7 @@ fn replace_keyword(
     Some(ForeignSyntax { diagnostic, repair })
 }
 
-/// Returns the keyword among `words` that is most similar to token `at`.
+/// Returns the keyword among `words` that is most similar to the text of token `at`; `None` if none is similar.
 fn nearest_keyword(found: &ErrorContext<'_, '_>, at: usize, words: &[Token]) -> Option<String> {
     let is_there = |token: &&Token| {
         let word = token.keyword();

@@ -7,6 +7,7 @@
 mod bodies;
 mod brackets;
 mod closing_keywords;
+mod conditional_extent;
 mod declarations;
 mod equation_values;
 mod expressions;
@@ -42,25 +43,28 @@ use crate::token::Token;
 use rpi_diag::{Code, Diagnostic, Fix, Span};
 use std::ops::Range;
 
-/// A construct of another language that explains a syntax error: its diagnostic and the repair of the tokens.
+/// Construct of another language that explains a syntax error: the diagnostic, and the repair of the tokens with which
+/// parsing continues.
 pub(crate) struct ForeignSyntax {
     pub(crate) diagnostic: Diagnostic,
     pub(crate) repair: Repair,
 }
 
-/// Change of the tokens after a syntax error with which parsing can continue.
+/// Change of the tokens of a declaration after a syntax error, so that parsing can continue.
 pub(crate) enum Repair {
-    /// Replaces each range of token indices by other tokens. The ranges are in text order.
+    /// Replaces each range of token indices by other tokens. The ranges are in ascending order and do not overlap.
     ReplaceTokens(Vec<(Range<usize>, Vec<Lexeme>)>),
-    /// Replaces the range of token indices by one error node that defines the given names.
+    /// Replaces a range of token indices by one error token. The following rules treat the given names as defined.
     RemovePhrase(Range<usize>, Vec<Ident>),
-    /// Replaces the whole phrase that contains the error, as for any other syntax error.
+    /// Replaces the statement or inner declaration that contains the error by an error token, as for other syntax
+    /// errors.
     RemoveErrorPhrase,
-    /// Replaces the whole declaration by an error node.
+    /// Replaces the whole declaration by an error node of the tree.
     RemoveItem,
 }
 
-/// Recognisers of foreign syntax. Each inspects the rejected token and its neighbours.
+/// Functions that recognise constructs of other languages at a syntax error. Each inspects the rejected token and its
+/// neighbours.
 // The order matters: the first recogniser that matches wins, so specific ones stand before general ones.
 const RECOGNISERS: &[fn(&ErrorContext<'_, '_>) -> Option<ForeignSyntax>] = &[
     equation_values::doubled_semi,
@@ -87,6 +91,7 @@ const RECOGNISERS: &[fn(&ErrorContext<'_, '_>) -> Option<ForeignSyntax>] = &[
     type_first::array_in_body,
     states::named_automaton,
     states::initial_keyword,
+    states::missing_state,
     states::returns_at_end,
     states::transition_keyword,
     states::foreign_end,
@@ -119,6 +124,7 @@ const RECOGNISERS: &[fn(&ErrorContext<'_, '_>) -> Option<ForeignSyntax>] = &[
     kind2::set_or_map,
     kind2::reachability_query,
     kind2::recursive_function,
+    operators::percent_product,
     operators::remainder,
     operators::else_if,
     transitions::transition_with_if,
@@ -182,30 +188,30 @@ const RECOGNISERS: &[fn(&ErrorContext<'_, '_>) -> Option<ForeignSyntax>] = &[
     expressions::call_without_parens,
 ];
 
-/// Returns the first construct of another language that explains a rejected token.
+/// Returns the first construct of another language that explains the syntax error; `None` if no recogniser matches.
 pub(crate) fn recognise(found: &ErrorContext<'_, '_>) -> Option<ForeignSyntax> {
     RECOGNISERS.iter().find_map(|recogniser| recogniser(found))
 }
 
-/// Creates a diagnostic (RPI0016) about syntax of another language.
+/// Creates a diagnostic (RPI0016) about syntax of another language, without labels and fixes.
 fn foreign_syntax(message: impl Into<String>) -> Diagnostic {
     Diagnostic::new(Code::RPI0016, message)
 }
 
-/// Placeholder lexeme for an empty list of tokens.
+/// Placeholder for a token where the list of tokens is empty.
 const EMPTY_LEXEME: Lexeme = Lexeme {
     token: Token::Broken,
     start: 0,
     end: 0,
 };
 
-/// Access of recognisers of foreign syntax to the tokens around a syntax error, and construction of repairs.
+/// Access of the recognisers of foreign syntax to the tokens around a syntax error, and construction of repairs.
 impl ErrorContext<'_, '_> {
     fn token_at(&self, at: usize) -> Option<Token> {
         self.lexemes.get(at).map(|lexeme| lexeme.token)
     }
 
-    /// Returns the token before the rejected one.
+    /// Returns the token before the rejected one; `None` at the start of the declaration.
     fn token_before(&self) -> Option<Token> {
         self.error
             .index
@@ -222,7 +228,7 @@ impl ErrorContext<'_, '_> {
         self.expects(Token::Assert) && self.expects(Token::Automaton)
     }
 
-    /// Returns the source text of a token; empty for an index past the last token.
+    /// Returns the source text of the token at index `at`; empty for an index past the last token.
     fn source_text(&self, at: usize) -> &str {
         let lexeme = self.lexemes.get(at);
         lexeme.map_or("", |lexeme| self.cx.slice(lexeme.start, lexeme.end))
@@ -250,14 +256,15 @@ impl ErrorContext<'_, '_> {
         self.cx.span(first.start, last.end)
     }
 
-    /// Returns the edit that replaces one token by `tokens`, all at the location of the old one.
+    /// Returns the edit that replaces the token at index `at` by `tokens`, which all get the location of the old token.
     fn replacement(&self, at: usize, tokens: &[Token]) -> (Range<usize>, Vec<Lexeme>) {
         let old = self.lexemes[at];
         let lexemes = tokens.iter().map(|&token| Lexeme { token, ..old });
         (at..at + 1, lexemes.collect())
     }
 
-    /// Returns the repair that replaces an opening and a closing bracket by two other tokens.
+    /// Returns the repair that replaces an opening and a closing bracket, at the token indices `open` and `close`, by
+    /// two other tokens.
     fn replace_brackets(&self, open: usize, close: usize, [first, last]: [Token; 2]) -> Repair {
         Repair::ReplaceTokens(vec![
             self.replacement(open, &[first]),
@@ -265,7 +272,8 @@ impl ErrorContext<'_, '_> {
         ])
     }
 
-    /// Adds the sure fix that replaces token `at` by `meant`, with the same repair of the tokens.
+    /// Adds a sure fix that replaces the text of token `at` by the keyword or symbol `meant`. The repair replaces the
+    /// token in the same way.
     fn replace_word(&self, diagnostic: Diagnostic, at: usize, meant: Token) -> ForeignSyntax {
         let (place, word) = (self.token_span(at), meant.spelling().unwrap_or_default());
         let fix = Fix::sure(format!("write `{word}`")).replace(place, word);
@@ -275,7 +283,7 @@ impl ErrorContext<'_, '_> {
         }
     }
 
-    /// Returns the edit that inserts a token without text before token `at`, or after the last token.
+    /// Returns the edit that inserts an empty token before token `at`; after the last token if `at` lies past it.
     fn insertion(&self, at: usize, token: Token) -> (Range<usize>, Vec<Lexeme>) {
         let place = match self.lexemes.get(at) {
             Some(next) => next.start,

@@ -1,9 +1,43 @@
 //! Operators of other languages and incomplete expressions.
 
+use super::conditional_extent::{has_own_operator, with_extent_fix};
 use super::{ForeignSyntax, Repair, foreign_syntax};
 use crate::syntax_errors::ErrorContext;
 use crate::token::Token;
 use rpi_diag::{Code, Diagnostic, Fix, Span};
+
+/// Recognises a product without `*` after a percentage: `50% x`.
+///
+/// The `%` must follow its number directly, and a space or parenthesis must separate it from the factor. Otherwise it
+/// may be the remainder operator of C.
+pub(super) fn percent_product(found: &ErrorContext<'_, '_>) -> Option<ForeignSyntax> {
+    use Token::{Ident, Int, LParen, Percent, Real};
+    let at = found.error.index;
+    let number = at.checked_sub(2)?;
+    let shape = [number, at - 1, at].map(|at| found.token_at(at));
+    if !matches!(
+        shape,
+        [
+            Some(Int | Real),
+            Some(Percent),
+            Some(Ident | Int | LParen | Real)
+        ]
+    ) {
+        return None;
+    }
+    let [number, percent, factor] = [number, at - 1, at].map(|at| found.lexemes[at]);
+    let is_apart = percent.end < factor.start || factor.token == LParen;
+    if number.end != percent.start || !is_apart || !found.expects(Token::Star) {
+        return None;
+    }
+    let gap = found.cx.span(percent.end, factor.start);
+    let diagnostic = foreign_syntax("a product is written with `*`")
+        .primary(found.token_span(at), "expected `*` before this")
+        .help("`%` after a number means per cent, `60%` is 0.6; a remainder is written `mod`")
+        .fix(Fix::maybe("insert `*`").replace(gap, " * "));
+    let repair = Repair::ReplaceTokens(vec![found.insertion(at, Token::Star)]);
+    Some(ForeignSyntax { diagnostic, repair })
+}
 
 /// Recognises a remainder: `x % 2`.
 pub(super) fn remainder(found: &ErrorContext<'_, '_>) -> Option<ForeignSyntax> {
@@ -62,14 +96,45 @@ pub(super) fn missing_else(found: &ErrorContext<'_, '_>) -> Option<ForeignSyntax
     let diagnostic = Diagnostic::new(Code::RPI0001, "this `if` has no `else`")
         .primary(found.token_span(own), "a flow needs a value in every cycle")
         .secondary(super::imperative::end_of_span(end), "expected `else` here")
-        .help("add the other value: `if c then x else y`; to keep the value of the previous cycle: `y = first -> if c then x else pre y`");
+        .help("add `else` and the value for the other cycles");
+    let diagnostic = match previous_value_fix(found, own) {
+        Some(fix) => diagnostic.fix(fix),
+        None => diagnostic,
+    };
     Some(ForeignSyntax {
         diagnostic,
         repair: Repair::RemoveErrorPhrase,
     })
 }
 
-/// Returns the innermost `if` before the rejected token that has no `else` yet.
+/// Returns the fix for an equation `y = if c then a` that keeps the value of the previous cycle while `c` is false:
+/// `y = a -> if c then a else pre y`.
+fn previous_value_fix(found: &ErrorContext<'_, '_>, own: usize) -> Option<Fix> {
+    let end = found.error.index;
+    let (sign, name) = (own.checked_sub(1)?, own.checked_sub(2)?);
+    let shape = [found.token_at(name), found.token_at(sign)];
+    let is_equation = shape == [Some(Token::Ident), Some(Token::Eq)];
+    if !is_equation || found.structure.phrase(own).start != name {
+        return None;
+    }
+    let then = (own..end).find(|at| found.token_at(*at) == Some(Token::Then))?;
+    let (name, value) = (found.source_text(name), found.range_text(then + 1..end));
+    let is_simple = (then + 1..end).all(|at| {
+        matches!(
+            found.token_at(at),
+            Some(Token::Dot | Token::Ident | Token::Int | Token::Real)
+        )
+    });
+    let title = format!("keep the previous value of `{name}` in the other cycles");
+    is_simple.then(|| {
+        Fix::maybe(title)
+            .insert_before(found.token_span(own), format!("{value} -> "))
+            .insert_after(found.token_span(end - 1), format!(" else pre {name}"))
+    })
+}
+
+/// Returns the token index of the innermost `if` before the rejected token that has no `else` yet; `None` if there is
+/// none.
 pub(super) fn innermost_if(found: &ErrorContext<'_, '_>) -> Option<usize> {
     let mut open = 0;
     let is_own = |at: &usize| match found.token_at(*at) {
@@ -112,31 +177,14 @@ pub(super) fn closing_keyword(found: &ErrorContext<'_, '_>) -> Option<ForeignSyn
     Some(ForeignSyntax { diagnostic, repair })
 }
 
-/// Creates a fix that is sure unless token `at` is a declared name, before which an operator could be missing.
+/// Creates a fix with a title. The fix is sure unless token `at` is a declared name, before which an operator could be
+/// missing.
 fn fix_unless_declared(found: &ErrorContext<'_, '_>, at: usize, title: String) -> Fix {
     match found.cx.guessed_names.declares(found.source_text(at)) {
         true => Fix::maybe(title),
         false => Fix::sure(title),
     }
 }
-
-/// Returns whether an operator that only RPI has is among tokens. Its precedence relative to a conditional expression of
-/// another language is undefined, so that several readings are possible.
-pub(super) fn has_own_operator(
-    found: &ErrorContext<'_, '_>,
-    range: std::ops::Range<usize>,
-) -> bool {
-    use Token::{Arrow, Bar, Coalesce, Fby, Implies, When, With};
-    range.into_iter().any(|i| {
-        matches!(
-            found.token_at(i),
-            Some(Arrow | Bar | Coalesce | Fby | Implies | When | With)
-        )
-    })
-}
-
-/// Help for a conditional expression of another language whose extent among other operators is not clear.
-pub(super) const CONDITIONAL_EXTENT_HELP: &str = "it is not clear which of the other operators belong to it: write `(if c then x else y)` in parentheses";
 
 /// Recognises the conditional operator of C: `c ? x : y`.
 pub(super) fn c_conditional(found: &ErrorContext<'_, '_>) -> Option<ForeignSyntax> {
@@ -168,8 +216,14 @@ pub(super) fn c_conditional(found: &ErrorContext<'_, '_>) -> Option<ForeignSynta
     let diagnostic = foreign_syntax("a conditional expression is written `if c then x else y`")
         .primary(found.token_span(at), "`? :` is from another language");
     if has_own_operator(found, start..end) {
+        let value = found.range_text(at + 1..colon);
         return Some(ForeignSyntax {
-            diagnostic: diagnostic.help(CONDITIONAL_EXTENT_HELP),
+            diagnostic: with_extent_fix(
+                found,
+                diagnostic,
+                [start..at, colon + 1..end],
+                |c, other| format!("if {c} then {value} else {other}"),
+            ),
             repair: Repair::RemoveErrorPhrase,
         });
     }
@@ -186,12 +240,13 @@ pub(super) fn c_conditional(found: &ErrorContext<'_, '_>) -> Option<ForeignSynta
     Some(ForeignSyntax { diagnostic, repair })
 }
 
-/// Returns `word` with the spaces that it needs when it replaces token `at`.
+/// Returns `word` with the spaces that it needs in the source text in place of token `at`.
 fn spaced_word(found: &ErrorContext<'_, '_>, at: usize, word: &str) -> String {
     super::foreign_operators::with_spaces(found.token_span(at), found.cx.text, word)
 }
 
-/// Returns the range of the list element, or right side of an equation, that contains token `at`.
+/// Returns the start and end of the token range of the list element, or of the right side of the equation, that
+/// contains token `at`.
 pub(super) fn operand_range(found: &ErrorContext<'_, '_>, at: usize) -> (usize, usize) {
     let level = found.structure.parent(at);
     let phrase = found.structure.phrase(at);
@@ -276,7 +331,8 @@ pub(super) fn missing_star(found: &ErrorContext<'_, '_>) -> Option<ForeignSyntax
     Some(ForeignSyntax { diagnostic, repair })
 }
 
-/// Recognises a unit in parentheses: `250(mm)`.
+/// Recognises a unit in parentheses, `250(mm)`, whose opening parenthesis is at token `at`. `is_number` is true if a
+/// number precedes it.
 fn unit_in_parentheses(
     found: &ErrorContext<'_, '_>,
     at: usize,
@@ -305,7 +361,8 @@ fn unit_in_parentheses(
     Some(ForeignSyntax { diagnostic, repair })
 }
 
-/// Returns whether the parenthesis at token `close` ends the argument list of a call.
+/// Returns whether the parenthesis at token `close` ends the argument list of a call, and not an expression in
+/// parentheses.
 fn ends_arguments(found: &ErrorContext<'_, '_>, close: usize) -> bool {
     let open = found.structure.partner(close);
     let before = open

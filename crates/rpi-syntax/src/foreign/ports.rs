@@ -46,17 +46,15 @@ pub(super) fn incomplete_port(found: &ErrorContext<'_, '_>) -> Option<ForeignSyn
     })
 }
 
-/// Reports a port without a type. A whole declaration in the form of another language, such as `node f(x) = x + 1;`, is
-/// removed.
+/// Reports the port at token `at`, which has no type. The repair removes the whole declaration if it has the form of
+/// another language, as in `node f(x) = x + 1;`, else only the port.
 fn untyped(found: &ErrorContext<'_, '_>, at: usize) -> ForeignSyntax {
     let name = found.source_text(at);
     let is_equation =
         found.token_at(at + 2) == Some(Token::Eq) && found.token_at(at + 3) != Some(Token::LParen);
     let is_foreign = is_equation || found.token_at(at + 2) == Some(Token::LBrace);
-    let diagnostic = foreign_syntax("every port needs a type").primary(
-        found.token_span(at),
-        format!("`{name}: int`, `{name}: real`"),
-    );
+    let diagnostic = foreign_syntax("every port needs a type")
+        .primary(found.token_span(at), format!("`{name}` has no type"));
     match is_foreign {
         true => ForeignSyntax {
             diagnostic: diagnostic.help(format!(
@@ -65,7 +63,9 @@ fn untyped(found: &ErrorContext<'_, '_>, at: usize) -> ForeignSyntax {
             repair: Repair::RemoveItem,
         },
         false => ForeignSyntax {
-            diagnostic: diagnostic.help(format!("write the type after a colon: `{name}: real`")),
+            diagnostic: diagnostic.help(format!(
+                "write the type after a colon, such as `{name}: real` or `{name}: int`"
+            )),
             repair: Repair::RemoveErrorPhrase,
         },
     }
@@ -175,7 +175,7 @@ pub(super) fn locals_keyword(found: &ErrorContext<'_, '_>) -> Option<ForeignSynt
     Some(found.replace_word(diagnostic, at, Token::Var))
 }
 
-/// Recognises a closing keyword after local variables: `var x: int; end_var let ...`.
+/// Recognises a closing keyword of another language after local variables: `var x: int; end_var let ...`.
 pub(super) fn locals_closing_keyword(found: &ErrorContext<'_, '_>) -> Option<ForeignSyntax> {
     let fault = found.error.index;
     let mut places = [fault, fault.saturating_sub(1)].into_iter();
@@ -201,7 +201,7 @@ pub(super) fn locals_closing_keyword(found: &ErrorContext<'_, '_>) -> Option<For
     })
 }
 
-/// Recognises `let rec`.
+/// Recognises the redundant `rec` of `let rec x = ...`.
 pub(super) fn let_rec(found: &ErrorContext<'_, '_>) -> Option<ForeignSyntax> {
     let fault = found.error.index;
     let mut places = [fault, fault.saturating_sub(1)].into_iter();
@@ -221,7 +221,7 @@ pub(super) fn let_rec(found: &ErrorContext<'_, '_>) -> Option<ForeignSyntax> {
     })
 }
 
-/// Returns the span of token `at` with the white space before it.
+/// Returns the span of token `at` including the white space before it.
 fn span_with_leading_space(found: &ErrorContext<'_, '_>, at: usize) -> Span {
     found
         .cx

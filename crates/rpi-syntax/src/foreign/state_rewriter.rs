@@ -7,7 +7,7 @@ use crate::token::Token;
 use rpi_diag::Fix;
 use std::ops::Range;
 
-/// Replacement of a range of tokens by other tokens.
+/// Replacement of a range of token indices by other tokens.
 pub(super) struct Edit {
     range: Range<usize>,
     tokens: Vec<Token>,
@@ -40,7 +40,8 @@ impl Edit {
     }
 }
 
-/// Walker over the states of a foreign automaton. Collects the edits that turn it into an RPI automaton.
+/// Walker over the states of an automaton in foreign syntax. It collects the edits that turn the automaton into RPI
+/// syntax. `at` is the index of the current token.
 pub(crate) struct Rewriter<'r, 'f, 't> {
     pub(crate) found: &'r ErrorContext<'f, 't>,
     pub(crate) at: usize,
@@ -81,7 +82,8 @@ impl Rewriter<'_, '_, '_> {
         )
     }
 
-    /// Walks over `initial state A` and inserts the missing keywords. Returns `None` without a state name.
+    /// Walks over the header of a state, `initial state A`, and inserts missing keywords. `first` is true for the first
+    /// state. Returns `None` without a state name.
     fn header(&mut self, first: bool) -> Option<()> {
         let is_initial = self.token() == Some(Token::Initial);
         self.at += usize::from(is_initial);
@@ -99,7 +101,7 @@ impl Rewriter<'_, '_, '_> {
         is_name.then_some(())
     }
 
-    /// Returns whether any later state is marked `initial`.
+    /// Returns whether a state after the current token is marked `initial`.
     fn any_initial(&self) -> bool {
         let after = self.at..self.found.lexemes.len();
         let mut tokens = after.map(|at| self.found.token_at(at));
@@ -125,7 +127,8 @@ impl Rewriter<'_, '_, '_> {
         self.close_body(start);
     }
 
-    /// Ends a body that begins at `start` with `tel`, in place of a closing word of another language.
+    /// Ends the body that begins at token `start`: writes `tel` at the current token, in place of a closing word of
+    /// another language if there is one.
     fn close_body(&mut self, start: usize) {
         let lacks_semi = self.at > start && self.before() != Some(Token::Semi);
         let tokens: &[Token] = if lacks_semi {
@@ -150,7 +153,7 @@ impl Rewriter<'_, '_, '_> {
         ends || states::is_any_of(self.found, self.at, &["done"]) || self.begins_bare_state()
     }
 
-    /// Returns whether a state without `state` begins here: `B -> do ...`.
+    /// Returns whether a state without the keyword `state` begins at the current token: `B -> do ...`.
     fn begins_bare_state(&self) -> bool {
         self.token() == Some(Token::Ident)
             && self.found.token_at(self.at + 1) == Some(Token::Arrow)
@@ -207,7 +210,7 @@ impl Rewriter<'_, '_, '_> {
         self.at += count;
     }
 
-    /// Records an edit of the next `count` tokens. Insertions at the same position become one edit.
+    /// Records the replacement of the next `count` tokens by `tokens`. Insertions at the same position become one edit.
     fn edit(&mut self, count: usize, tokens: &[Token]) {
         let range = self.at..self.at + count;
         match self.edits.last_mut() {

@@ -1,46 +1,46 @@
 //! Table of statements of other languages, with the help for each.
 
-/// Rule for the end of a foreign statement.
+/// Rule for where a statement of another language ends.
 #[derive(Clone, Copy, PartialEq, Eq)]
 pub(super) enum Extent {
-    /// The statement ends at its `;`.
+    /// The statement ends at the next `;`.
     Phrase,
     /// The statement ends at the end of its block.
     Block,
-    /// The statement ends after its `returns ...;`, as the blocks of SCADE do.
+    /// The statement ends after its clause `returns ...;`, as the blocks of SCADE do.
     Returns,
 }
 
-/// Row of the table of foreign statements: how to recognise one, and the texts of its diagnostic.
+/// Row of the table of statements of other languages: first words, end, and texts of the diagnostic.
 pub(super) struct StatementKind {
-    /// First words of the statement, in lower case.
+    /// Words that begin such a statement, in lower case.
     words: &'static [&'static str],
-    /// Message of the diagnostic.
+    /// Message of the diagnostic about a statement of this kind.
     pub(crate) message: &'static str,
-    /// Label at the first word.
+    /// Text of the label at the first word.
     pub(crate) label: &'static str,
-    /// Help for a statement in a body of equations.
+    /// Help text for a statement in a body of equations.
     pub(crate) help: &'static str,
-    /// Help for a statement among the steps of a task.
+    /// Help text for a statement among the steps of a task.
     pub(crate) step_help: &'static str,
     pub(crate) extent: Extent,
 }
 
-/// Help about repeated steps of a task.
+/// Help text on the repetition of steps in a task.
 const REPEAT_HELP: &str =
     "a task repeats steps with `repeat 3 times let ... tel`, or forever with `repeat let ... tel`";
 
-/// Help about branches of a task.
+/// Help text on branches of a task.
 pub(crate) const BRANCH_HELP: &str =
     "a task branches on results: `first: Look() on found then second | on fail then end;`";
 
-/// Help about waiting steps of a task.
+/// Help text on waiting in a task.
 const PAUSE_HELP: &str = "a step lasts as long as its command: `command Pause let finish over when time >= 2[s]; tel`, then `Pause();`";
 
-/// Help for all other statements among the steps of a task.
+/// Help text for all other statements among the steps of a task.
 const COMMAND_HELP: &str = "the steps of a task run commands: `MoveTo(arm, p);`";
 
-/// Table of foreign statements. The first row with the word applies.
+/// Table of statements of other languages. For a word, the first row that lists it applies.
 const KINDS: &[StatementKind] = &[
     StatementKind {
         words: &[
@@ -48,7 +48,7 @@ const KINDS: &[StatementKind] = &[
         ],
         message: "there are no loops",
         label: "every equation is evaluated once per cycle",
-        help: "use `map`, `fold` and `red` over the elements of an array; across cycles, read the previous value: `n = 0 -> pre n + 1`",
+        help: "use `map`, `fold` and `red` over the elements of an array; across cycles, read the previous value, as in the counter `n = 0 -> pre n + 1`",
         step_help: REPEAT_HELP,
         extent: Extent::Block,
     },
@@ -56,7 +56,7 @@ const KINDS: &[StatementKind] = &[
         words: &["switch", "case", "select", "match", "inspect"],
         message: "a choice among values is an expression, not a statement",
         label: "keyword of another language",
-        help: "each flow has one equation: `y = if x = 0 then a else if x = 1 then b else c;`",
+        help: "each flow has one equation with a value for every case: `... = if x = ... then ... else if x = ... then ... else ...;`",
         step_help: BRANCH_HELP,
         extent: Extent::Block,
     },
@@ -138,7 +138,7 @@ const KINDS: &[StatementKind] = &[
         ],
         message: "a motion is a fragment that computes the set-point of the arm",
         label: "keyword of another language",
-        help: "`use motion;`, then `way = Line<<speed: 250[mm/s]>>(arm, p);` and `arm.tcp = way.pose;`",
+        help: "`use motion;`, then `way = Line<<speed: 250[mm/s]>>(arm, p);` and `arm.joints = way.joints;`",
         step_help: "a task runs commands: `MoveTo(arm, p);`; the command holds the motion: `way = Line(arm, p);`",
         extent: Extent::Phrase,
     },
@@ -234,6 +234,13 @@ const KINDS: &[StatementKind] = &[
         extent: Extent::Phrase,
     },
 ];
+
+impl StatementKind {
+    /// Returns whether the statement chooses among values: `switch (x) { ... }`.
+    pub(super) fn is_choice(&self) -> bool {
+        self.words.contains(&"switch")
+    }
+}
 
 pub(crate) fn kind_of(word: &str) -> Option<&'static StatementKind> {
     let word = word.to_ascii_lowercase();

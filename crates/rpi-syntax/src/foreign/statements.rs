@@ -7,9 +7,11 @@ use crate::foreign::statement_kinds::Extent;
 use crate::foreign::statement_kinds::StatementKind;
 use crate::syntax_errors::ErrorContext;
 use crate::token::Token;
-use rpi_diag::Diagnostic;
+use rpi_diag::{Diagnostic, Fix};
+use std::ops::Range;
 
-/// Recognises a statement of the table: `while (c) { ... }`, `wait for c;`, `emit s;`.
+/// Recognises a statement of another language from the table of such statements: `while (c) { ... }`, `wait for c;`,
+/// `emit s;`.
 pub(super) fn statement(found: &ErrorContext<'_, '_>) -> Option<ForeignSyntax> {
     let at = statement_start(found)?;
     let kind = statement_kinds::kind_of(found.source_text(at))?;
@@ -26,8 +28,18 @@ pub(super) fn statement(found: &ErrorContext<'_, '_>) -> Option<ForeignSyntax> {
     found
         .cx
         .suppress_foreign_operators(found.range_span(at..end));
+    let diagnostic = match choice_equation(found, kind, at..end) {
+        Some(meant) => foreign_syntax(kind.message)
+            .primary(found.token_span(at), kind.label)
+            .help("each flow has one equation, with a value for every case")
+            .fix(
+                Fix::maybe(format!("write `{meant}`"))
+                    .replace(found.range_span(at..end), meant.clone()),
+            ),
+        None => diagnostic(found, kind, at),
+    };
     Some(ForeignSyntax {
-        diagnostic: diagnostic(found, kind, at),
+        diagnostic,
         repair: Repair::RemovePhrase(at..end, defined_names(found, at, end)),
     })
 }
@@ -42,7 +54,57 @@ fn diagnostic(found: &ErrorContext<'_, '_>, kind: &StatementKind, at: usize) -> 
         .help(help)
 }
 
-/// Returns the first word of the statement with the error, if it may begin a foreign statement.
+/// Returns the equation that replaces a choice among values with one equation of the same flow in each case:
+/// `y = if x = 0 then 1 else 2;` for `switch (x) { case 0: y = 1; break; default: y = 2; }`.
+fn choice_equation(
+    found: &ErrorContext<'_, '_>,
+    kind: &StatementKind,
+    range: Range<usize>,
+) -> Option<String> {
+    use Token::{Colon, Eq, Ident, Int, LParen, Semi};
+    if !kind.is_choice() || found.in_task() {
+        return None;
+    }
+    let subject = range.start + 1 + usize::from(found.token_at(range.start + 1) == Some(LParen));
+    if found.token_at(subject) != Some(Ident) {
+        return None;
+    }
+    let is_default = |at: usize| {
+        let word = found.source_text(at);
+        ["else", "default", "otherwise"]
+            .iter()
+            .any(|other| word.eq_ignore_ascii_case(other))
+    };
+    let (mut cases, mut target, mut other) = (String::new(), None, None);
+    for sign in range.clone().filter(|at| found.token_at(*at) == Some(Eq)) {
+        let name = sign - 1;
+        let semi = (sign..range.end).find(|at| found.token_at(*at) == Some(Semi))?;
+        let value = found.range_text(sign + 1..semi);
+        let label = name.checked_sub(if found.token_at(name - 1) == Some(Colon) {
+            2
+        } else {
+            1
+        })?;
+        let text = found.source_text(name);
+        if found.token_at(name) != Some(Ident) || *target.get_or_insert(text) != text {
+            return None;
+        }
+        match found.token_at(label)? {
+            _ if is_default(label) => other = Some(value),
+            Ident | Int if label + 2 == name && other.is_none() => cases.push_str(&format!(
+                "if {} = {} then {value} else ",
+                found.source_text(subject),
+                found.source_text(label)
+            )),
+            _ => return None,
+        }
+    }
+    let (target, other) = (target?, other?);
+    (!cases.is_empty()).then(|| format!("{target} = {cases}{other};"))
+}
+
+/// Returns the token index of the first word of the statement with the error; `None` if no statement of another
+/// language begins with it.
 fn statement_start(found: &ErrorContext<'_, '_>) -> Option<usize> {
     use Token::{Colon, Comma, Dot, End, Eq, Let, Semi, Tel};
     let fault = found.error.index;
@@ -71,7 +133,7 @@ fn statement_start(found: &ErrorContext<'_, '_>) -> Option<usize> {
     places.into_iter().find(|at| is_first(at) && is_kind(at))
 }
 
-/// Returns whether the next token after token `at` is on another line, as after a statement without `;`.
+/// Returns whether token `at` is the last one on its line, as at the end of a statement without `;`.
 fn ends_line(found: &ErrorContext<'_, '_>, at: usize) -> bool {
     let (Some(this), Some(next)) = (found.lexemes.get(at), found.lexemes.get(at + 1)) else {
         return false;
@@ -79,7 +141,8 @@ fn ends_line(found: &ErrorContext<'_, '_>, at: usize) -> bool {
     found.cx.slice(this.end, next.start).contains('\n')
 }
 
-/// Returns the index one past the last token of a statement that begins at token `at`.
+/// Returns the index one past the last token of a foreign statement that begins at token `at` and ends by the rule
+/// `reach`.
 pub(super) fn statement_end(found: &ErrorContext<'_, '_>, reach: Extent, at: usize) -> usize {
     let phrase = || {
         let end = found.structure.phrase(at).end.max(at + 1);
@@ -102,7 +165,8 @@ pub(super) fn statement_end(found: &ErrorContext<'_, '_>, reach: Extent, at: usi
     }
 }
 
-/// Returns the index one past a block, which ends with its braces, its `let ... tel` or its closing keyword.
+/// Returns the index one past the last token of a statement with blocks that begins at token `at`. A block ends with
+/// its braces, its `let ... tel` or its closing keyword.
 pub(crate) fn nested_block_end(found: &ErrorContext<'_, '_>, at: usize) -> usize {
     let (mut i, mut has_block) = (at, false);
     loop {
@@ -132,7 +196,7 @@ pub(crate) fn nested_block_end(found: &ErrorContext<'_, '_>, at: usize) -> usize
     }
 }
 
-/// Returns whether token `at` continues a statement after one of its blocks, such as `else`.
+/// Returns whether token `at`, such as `else`, continues a statement after one of its blocks.
 fn continues_statement(found: &ErrorContext<'_, '_>, at: usize) -> bool {
     let words = [
         "else", "elsif", "elif", "catch", "except", "finally", "while", "until", "case", "default",
@@ -143,7 +207,7 @@ fn continues_statement(found: &ErrorContext<'_, '_>, at: usize) -> bool {
         .any(|word| found.source_text(at).eq_ignore_ascii_case(word))
 }
 
-/// Returns the names that a statement seems to define.
+/// Returns the names that the statement at the tokens `at..end` seems to define.
 fn defined_names(found: &ErrorContext<'_, '_>, at: usize, end: usize) -> Vec<crate::ast::Ident> {
     let mut names = imperative::defined_names(found, at..end);
     // `reset n = ...` defines the name after its keyword.
@@ -154,7 +218,7 @@ fn defined_names(found: &ErrorContext<'_, '_>, at: usize, end: usize) -> Vec<cra
 }
 
 impl ErrorContext<'_, '_> {
-    /// Returns whether the syntax error is in a task.
+    /// Returns whether the syntax error is in the declaration of a task.
     pub(super) fn in_task(&self) -> bool {
         self.token_at(0) == Some(Token::Task)
     }

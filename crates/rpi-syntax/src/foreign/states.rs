@@ -4,9 +4,9 @@ use super::{ForeignSyntax, Repair, foreign_syntax};
 use crate::foreign::state_rewriter::Rewriter;
 use crate::syntax_errors::ErrorContext;
 use crate::token::Token;
-use rpi_diag::Fix;
+use rpi_diag::{Code, Diagnostic, Fix};
 
-/// Recognises an automaton with a name: `automaton SM1 initial state A ...`.
+/// Recognises an automaton with a name, which RPI does not have: `automaton SM1 initial state A ...`.
 pub(super) fn named_automaton(found: &ErrorContext<'_, '_>) -> Option<ForeignSyntax> {
     use Token::{Automaton, Ident, Initial, State};
     let at = found.error.index;
@@ -29,7 +29,7 @@ pub(super) fn named_automaton(found: &ErrorContext<'_, '_>) -> Option<ForeignSyn
     })
 }
 
-/// Words for the initial state in other languages.
+/// Words that mark the initial state of an automaton in other languages.
 const INITIAL_WORDS: &[&str] = &[
     "init", "initial", "start", "begin", "default", "entry", "first",
 ];
@@ -46,6 +46,22 @@ pub(super) fn initial_keyword(found: &ErrorContext<'_, '_>) -> Option<ForeignSyn
     let diagnostic = foreign_syntax("the first state of an automaton is marked `initial state`")
         .primary(found.token_span(at), "keyword of another language");
     Some(found.replace_word(diagnostic, at, Token::Initial))
+}
+
+/// Recognises a first state without `state`: `initial A let`.
+pub(super) fn missing_state(found: &ErrorContext<'_, '_>) -> Option<ForeignSyntax> {
+    use Token::{Ident, Initial, Let, State, Unless, Var};
+    let at = found.error.index;
+    let is_name = [found.token_before(), found.token_at(at)] == [Some(Initial), Some(Ident)];
+    let begins = matches!(found.token_at(at + 1), Some(Let | Unless | Var));
+    if !is_name || !begins || !found.expects(State) {
+        return None;
+    }
+    let diagnostic = Diagnostic::new(Code::RPI0001, "expected `state` after `initial`")
+        .primary(found.token_span(at), "the name of the state")
+        .fix(Fix::sure("insert `state`").insert_before(found.token_span(at), "state "));
+    let repair = Repair::ReplaceTokens(vec![found.insertion(at, State)]);
+    Some(ForeignSyntax { diagnostic, repair })
 }
 
 /// Recognises a transition without `then`: `until c -> B;`, `until c B;`, `until c: B;`.
@@ -95,12 +111,12 @@ pub(super) fn missing_then(found: &ErrorContext<'_, '_>) -> Option<ForeignSyntax
     })
 }
 
-/// Returns whether `word` is a misspelling of `meant`, such as `thn` of `then`.
+/// Returns whether `word` is a misspelling of the keyword `meant`, as `thn` is of `then`.
 fn is_misspelling_of(meant: &str, word: &str) -> bool {
     rpi_diag::suggest(word, std::iter::once(meant)).is_some()
 }
 
-/// Recognises `returns` at the end of a SCADE automaton: `... state B let ... tel until d then A; returns z;`.
+/// Recognises the list of flows at the end of a SCADE automaton: `... state B let ... tel until d then A; returns z;`.
 pub(super) fn returns_at_end(found: &ErrorContext<'_, '_>) -> Option<ForeignSyntax> {
     let at = found.error.index;
     if found.token_at(at) != Some(Token::Returns) || !found.expects(Token::End) {
@@ -165,14 +181,15 @@ pub(super) fn foreign_states(found: &ErrorContext<'_, '_>) -> Option<ForeignSynt
     })
 }
 
-/// Returns whether token `at` is one of `words`, ignoring case.
+/// Returns whether the text of token `at` is one of `words`, ignoring case.
 pub(crate) fn is_any_of(found: &ErrorContext<'_, '_>, at: usize, words: &[&str]) -> bool {
     words
         .iter()
         .any(|word| found.source_text(at).eq_ignore_ascii_case(word))
 }
 
-/// Returns the index one past the tokens that open a body instead of `let`: `do`, `{`, `: do`, `-> do`, `begin`.
+/// Returns the index one past the tokens at `at` that open a body in place of `let`: `do`, `{`, `: do`, `-> do`,
+/// `begin`. `None` if there are no such tokens.
 pub(crate) fn body_start(found: &ErrorContext<'_, '_>, at: usize) -> Option<usize> {
     match found.token_at(at)? {
         Token::LBrace => Some(at + 1),
@@ -187,7 +204,8 @@ pub(crate) fn body_start(found: &ErrorContext<'_, '_>, at: usize) -> Option<usiz
     }
 }
 
-/// Recognises a transition after a body with another keyword than `until`: `when c then B;`, `if c then B;`.
+/// Recognises a transition after the body of a state with another keyword than `until`: `when c then B;`,
+/// `if c then B;`.
 pub(super) fn transition_keyword(found: &ErrorContext<'_, '_>) -> Option<ForeignSyntax> {
     let at = found.error.index;
     let is_word = matches!(found.token_at(at), Some(Token::When | Token::If))

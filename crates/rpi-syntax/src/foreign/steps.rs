@@ -106,7 +106,7 @@ pub(super) fn steps_without_semi(found: &ErrorContext<'_, '_>) -> Option<Foreign
     })
 }
 
-/// Recognises an assignment of a step's result: `r = Rest();`.
+/// Recognises an assignment of a step's result, which RPI does not have: `r = Rest();`.
 pub(super) fn step_with_value(found: &ErrorContext<'_, '_>) -> Option<ForeignSyntax> {
     let at = found.error.index;
     let is_step = found.in_task() && found.expects(Token::LParen) && found.expects(Token::Colon);
@@ -122,7 +122,7 @@ pub(super) fn step_with_value(found: &ErrorContext<'_, '_>) -> Option<ForeignSyn
     })
 }
 
-/// Recognises a result of a command without its keyword: `done when c;`.
+/// Recognises a result of a command without `finish`, `yield` or `fail`: `done when c;`.
 pub(super) fn result_without_keyword(found: &ErrorContext<'_, '_>) -> Option<ForeignSyntax> {
     let at = found.error.index;
     let name = at

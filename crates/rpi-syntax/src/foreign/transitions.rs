@@ -7,7 +7,7 @@ use crate::syntax_errors::ErrorContext;
 use crate::token::Token;
 use rpi_diag::{Code, Diagnostic, Fix, Span};
 
-/// Recognises a transition with a needless `if`: `until if c then S`.
+/// Recognises a redundant `if` in a transition: `until if c then S`.
 pub(super) fn transition_with_if(found: &ErrorContext<'_, '_>) -> Option<ForeignSyntax> {
     let own = innermost_if(found)?;
     if !begins_transition(found, own) || !found.expects(Token::Else) || !in_transition(found) {
@@ -20,7 +20,7 @@ pub(super) fn transition_with_if(found: &ErrorContext<'_, '_>) -> Option<Foreign
     Some(ForeignSyntax { diagnostic, repair })
 }
 
-/// Recognises SCADE's words before the target state: `until c restart S`, `until if c resume S`.
+/// Recognises the words of SCADE before a target state: `until c restart S`, `until if c resume S`.
 pub(super) fn foreign_target_word(found: &ErrorContext<'_, '_>) -> Option<ForeignSyntax> {
     let at = found.error.index;
     let (word, token) = match found.source_text(at) {
@@ -49,7 +49,7 @@ pub(super) fn foreign_target_word(found: &ErrorContext<'_, '_>) -> Option<Foreig
     Some(ForeignSyntax { diagnostic, repair })
 }
 
-/// Recognises two words before the target state: `until c then continue S`, `until c then resume S`.
+/// Recognises two words before a target state, where RPI needs one: `until c then continue S`, `until c then resume S`.
 pub(super) fn doubled_target_word(found: &ErrorContext<'_, '_>) -> Option<ForeignSyntax> {
     // `resume` is an identifier here, so the grammar took it for the state and rejected the token after it.
     let at = found.error.index;
@@ -75,7 +75,8 @@ pub(super) fn doubled_target_word(found: &ErrorContext<'_, '_>) -> Option<Foreig
     Some(ForeignSyntax { diagnostic, repair })
 }
 
-/// Returns the fix title, the keyword and its token that replace `then` and the word after it.
+/// Returns the title of a fix, the RPI keyword and its token that replace `then` and the word `written` after it, such
+/// as `resume`. `None` for other words.
 fn target_word_fix(written: &str) -> Option<(&'static str, &'static str, Token)> {
     match written {
         "continue" | "resume" => Some(("write `continue`", "continue", Token::Continue)),
@@ -212,7 +213,8 @@ pub(super) fn automaton_without_end(found: &ErrorContext<'_, '_>) -> Option<Fore
     Some(unclosed_block(found, "automaton", open, (End, "\nend")))
 }
 
-/// Reports that the block opened at token `open` lacks its closing keyword `end`, and inserts it at the error.
+/// Reports that the block opened at token `open` lacks its closing keyword, and inserts the keyword at the syntax
+/// error. `what` names the block in the message; `(end, text)` are the token and the inserted text.
 fn unclosed_block(
     found: &ErrorContext<'_, '_>,
     what: &str,
@@ -232,20 +234,22 @@ fn unclosed_block(
     ForeignSyntax { diagnostic, repair }
 }
 
-/// Returns whether token `at` is the first of a transition's condition.
+/// Returns whether token `at` is the first token of the condition of a transition: whether `until`, `unless` or `|`
+/// precedes it.
 fn begins_transition(found: &ErrorContext<'_, '_>, at: usize) -> bool {
     let before = at.checked_sub(1).and_then(|at| found.token_at(at));
     matches!(before, Some(Token::Until | Token::Unless | Token::Bar))
 }
 
-/// Returns the index of the `if` that begins the condition of the transition with the error.
+/// Returns the token index of a redundant `if` at the start of the condition in the transition with the syntax error;
+/// `None` if there is none.
 fn leading_if(found: &ErrorContext<'_, '_>) -> Option<usize> {
     let mut before = (0..found.error.index).rev();
     let first = before.find(|at| begins_transition(found, *at))?;
     (found.token_at(first) == Some(Token::If)).then_some(first)
 }
 
-/// Returns the span of token `at` with the white space after it.
+/// Returns the span of token `at` including the white space after it.
 fn span_with_trailing_space(found: &ErrorContext<'_, '_>, at: usize) -> Span {
     let (token, next) = (found.lexemes[at], found.lexemes[at + 1]);
     found.cx.span(token.start, next.start)
@@ -259,7 +263,8 @@ fn in_transition(found: &ErrorContext<'_, '_>) -> bool {
     before.any(|token| matches!(token, Some(Token::Until | Token::Unless)))
 }
 
-/// Returns the index of the `state` keyword whose body ends before token `at`.
+/// Returns the token index of the nearest `state` keyword before token `at`, skipping complete bodies; `None` if there
+/// is none.
 fn state_before(found: &ErrorContext<'_, '_>, at: usize) -> Option<usize> {
     let mut at = at;
     loop {

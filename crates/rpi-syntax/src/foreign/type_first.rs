@@ -6,7 +6,8 @@ use crate::syntax_errors::ErrorContext;
 use crate::token::Token;
 use rpi_diag::Fix;
 
-/// Returns the RPI type for the name of a numeric or Boolean type of another language, such as `double`.
+/// Returns the RPI type keyword for a numeric or Boolean type of another language, such as `double`; `None` for other
+/// words.
 pub(super) fn foreign_type(word: &str) -> Option<Token> {
     let word = word.to_ascii_lowercase();
     let word = word
@@ -65,29 +66,29 @@ pub(super) fn ports_with_type_first(found: &ErrorContext<'_, '_>) -> Option<Fore
     })
 }
 
-/// Returns whether a port or field can begin at token `at`.
+/// Returns whether the token before `at` allows a port or field to begin at token `at`.
 fn begins_port(found: &ErrorContext<'_, '_>, at: usize) -> bool {
     use Token::{Comma, LBrace, LParen, Semi};
     let before = at.checked_sub(1).and_then(|at| found.token_at(at));
     matches!(before, Some(Comma | LBrace | LParen | Semi))
 }
 
-/// Returns whether a bracket encloses ports, or the fields of a struct.
+/// Returns whether the bracket at token `open` encloses ports or the fields of a struct.
 fn is_declaration_list(found: &ErrorContext<'_, '_>, open: usize) -> bool {
     let before = open.checked_sub(1).and_then(|at| found.token_at(at));
     let is_struct = found.token_at(open) == Some(Token::LBrace) && before == Some(Token::Struct);
     is_struct || is_port_list(found, open)
 }
 
-/// Port with its type before its name, as in C.
+/// Port of another language whose type is written before its name, as in C.
 struct TypeFirstPort {
-    /// Token index of the name.
+    /// Index of the token with the name.
     name: usize,
-    /// Token index one past the port.
+    /// Index one past the last token of the port.
     end: usize,
-    /// RPI source text of the port.
+    /// Source text of the port in RPI: `x: int^3`.
     text: String,
-    /// RPI tokens of the port.
+    /// RPI tokens of the port, with the name before the type.
     tokens: Vec<Lexeme>,
 }
 
@@ -126,9 +127,9 @@ impl TypeFirstPort {
     }
 }
 
-/// Returns the tokens with non-decreasing locations, as the grammar requires them.
+/// Returns the tokens with locations in ascending order, as the grammar requires.
 ///
-/// A token that is out of order is moved to the end of the token before it.
+/// A token that is out of order gets the empty location at the end of the token before it.
 pub(super) fn in_text_order(tokens: &[Lexeme]) -> Vec<Lexeme> {
     let mut end = 0;
     let mut ordered = Vec::with_capacity(tokens.len());
@@ -144,7 +145,7 @@ pub(super) fn in_text_order(tokens: &[Lexeme]) -> Vec<Lexeme> {
     ordered
 }
 
-/// Returns the type that a token denotes, in RPI or in another language.
+/// Returns the type keyword that token `at` denotes in RPI or in another language; `None` if it denotes no type.
 pub(crate) fn type_of(found: &ErrorContext<'_, '_>, at: usize) -> Option<Token> {
     match found.token_at(at)? {
         token @ (Token::BoolType | Token::IntType | Token::RealType) => Some(token),
@@ -153,7 +154,7 @@ pub(crate) fn type_of(found: &ErrorContext<'_, '_>, at: usize) -> Option<Token> 
     }
 }
 
-/// Returns whether a bracket encloses the ports of a declaration.
+/// Returns whether the bracket at token `open` encloses the ports of a declaration.
 pub(crate) fn is_port_list(found: &ErrorContext<'_, '_>, open: usize) -> bool {
     found.token_at(open) == Some(Token::LParen) && found.structure.parent(open).is_none()
 }

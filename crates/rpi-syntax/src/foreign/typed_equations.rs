@@ -40,7 +40,8 @@ pub(super) fn typed_equation(found: &ErrorContext<'_, '_>) -> Option<ForeignSynt
     let sign = (name..phrase.end).find(|at| found.token_at(*at) == Some(Token::Eq))?;
     if found.cx.dialect == Dialect::Lustre {
         let diagnostic = diagnostic.help(format!(
-            "it is declared before `let`: `var {written}: ...;`"
+            "declare it before `let`: `var {written}: {};`",
+            found.source_text(ty.start)
         ));
         let repair = Repair::RemovePhrase(phrase, vec![found.ident(name)]);
         return Some(ForeignSyntax { diagnostic, repair });
@@ -49,22 +50,26 @@ pub(super) fn typed_equation(found: &ErrorContext<'_, '_>) -> Option<ForeignSynt
         .cx
         .span(found.lexemes[phrase.start].start, found.lexemes[sign].end);
     let meant = format!("{written} =");
+    let stated = found.range_text(ty).trim_start_matches(':').trim();
     let diagnostic = diagnostic
-        .help("or declare it with its type before `let`")
+        .help(format!(
+            "a flow with a stated type is declared before `let`: `var {written}: {stated};`"
+        ))
         .fix(Fix::maybe(format!("write `{meant} ...`")).replace(place, meant));
     let kept = vec![found.lexemes[name], found.lexemes[sign]];
     let repair = Repair::ReplaceTokens(vec![(phrase.start..sign + 1, kept)]);
     Some(ForeignSyntax { diagnostic, repair })
 }
 
-/// Returns whether a statement of a body begins at token `at`.
+/// Returns whether a statement of a body of equations begins at token `at`.
 fn is_statement(found: &ErrorContext<'_, '_>, at: usize) -> bool {
     let before = at.checked_sub(1).and_then(|at| found.token_at(at));
     let begins = matches!(before, Some(Token::Let | Token::Semi | Token::Tel));
     begins && found.structure.is_in_block(at)
 }
 
-/// Returns the token range of the type in a statement, and the token index of the flow's name.
+/// Returns the token range of the type in an equation with a type, and the token index of the name of the flow. `None`
+/// if the phrase (a range of tokens) has another form.
 fn type_and_name(
     found: &ErrorContext<'_, '_>,
     phrase: Range<usize>,
@@ -148,9 +153,9 @@ pub(super) fn le_assignment(found: &ErrorContext<'_, '_>) -> Option<ForeignSynta
     Some(ForeignSyntax { diagnostic, repair })
 }
 
-/// Returns whether a value seems to begin at token `at`.
+/// Returns whether the right side of an equation seems to begin at token `at`.
 ///
-/// The rest of the phrase must be on one line, without `=` and `:`, and without two names or numbers in a row.
+/// The rest of the statement must be on one line, without `=` and `:`, and without two adjacent names or numbers.
 fn is_value(found: &ErrorContext<'_, '_>, at: usize) -> bool {
     use Token::{Colon, Eq, False, Ident, Int, Not, Pre, Real, True};
     let begins = |token| matches!(token, False | Ident | Int | Not | Pre | Real | True);
@@ -171,7 +176,7 @@ fn is_value(found: &ErrorContext<'_, '_>, at: usize) -> bool {
     !strange && !line.contains('\n')
 }
 
-/// Recognises a cast of C: `(int)x`.
+/// Recognises a type conversion of C: `(int)x`.
 pub(super) fn cast(found: &ErrorContext<'_, '_>) -> Option<ForeignSyntax> {
     use Token::{Ident, Int, IntType, LParen, RParen, Real, RealType};
     let at = found.error.index;
@@ -191,7 +196,7 @@ pub(super) fn cast(found: &ErrorContext<'_, '_>) -> Option<ForeignSyntax> {
     Some(ForeignSyntax { diagnostic, repair })
 }
 
-/// Recognises a cast of Rust: `x as int`.
+/// Recognises a type conversion of Rust: `x as int`.
 pub(super) fn as_cast(found: &ErrorContext<'_, '_>) -> Option<ForeignSyntax> {
     use Token::{Ident, Int, IntType, RParen, Real, RealType};
     let at = found.error.index;
@@ -226,7 +231,7 @@ pub(super) fn as_cast(found: &ErrorContext<'_, '_>) -> Option<ForeignSyntax> {
     Some(ForeignSyntax { diagnostic, repair })
 }
 
-/// Largest distance from a shift operator to the rejected token, in tokens.
+/// Maximum distance in tokens from the rejected token back to a shift operator. Bounds the time per syntax error.
 const MAX_DISTANCE: usize = 50;
 
 /// Recognises a shift: `x << 2`, `x >> 1`.
@@ -259,37 +264,69 @@ pub(super) fn shift(found: &ErrorContext<'_, '_>) -> Option<ForeignSyntax> {
         "double angle brackets enclose static parameters",
     );
     let amount: Option<u32> = found.source_text(sign + 1).parse().ok().filter(|n| *n < 63);
-    let diagnostic = match amount.filter(|_| is_complete_operand(found, sign)) {
+    let diagnostic = match amount {
         Some(amount) => {
-            let meant = format!("{by} {}", 1u64 << amount);
-            let place = found.range_span(sign..sign + 2);
-            diagnostic.fix(Fix::maybe(format!("write `{meant}`")).replace(place, meant))
+            with_shift_fix(found, diagnostic, sign, &format!("{by} {}", 1u64 << amount))
         }
-        None => diagnostic.help("a shift by two bits is `x * 4` or `x div 4`"),
+        None => diagnostic.help(format!("write `{by}` and the power of two")),
     };
     let repair = Repair::ReplaceTokens(vec![found.replacement(sign, &[Star])]);
     Some(ForeignSyntax { diagnostic, repair })
 }
 
-/// Returns whether the shift at token `sign` is a complete expression, so that the fix keeps its value.
+/// Adds the fix that replaces the shift at token `sign` by `meant`, such as `div 2`.
 ///
-/// A shift has lower precedence than arithmetic: `x - 1 >> 1` shifts the difference, but `x - 1 div 2` divides the 1.
-fn is_complete_operand(found: &ErrorContext<'_, '_>, sign: usize) -> bool {
-    use Token::{Comma, Eq, LBracket, LParen, RBracket, RParen, Semi};
-    let first = found
-        .structure
-        .partner(sign - 1)
-        .filter(|open| *open < sign)
-        .unwrap_or(sign - 1);
-    let before = first.checked_sub(1).and_then(|at| found.token_at(at));
-    matches!(before, Some(Eq | LParen | LBracket | Comma))
-        && matches!(
-            found.token_at(sign + 2),
-            Some(Semi | RParen | RBracket | Comma)
-        )
+/// A shift has lower precedence than arithmetic: `x - 1 >> 1` shifts the difference, so that it needs parentheses.
+fn with_shift_fix(
+    found: &ErrorContext<'_, '_>,
+    diagnostic: Diagnostic,
+    sign: usize,
+    meant: &str,
+) -> Diagnostic {
+    let Some(first) = shift_operand_start(found, sign) else {
+        return diagnostic.help(format!(
+            "write `{meant}`, with parentheses around the operand that is meant"
+        ));
+    };
+    let is_single = first + 1 == sign || found.structure.partner(sign - 1) == Some(first);
+    let (place, meant) = match is_single {
+        true => (found.range_span(sign..sign + 2), meant.to_owned()),
+        false => {
+            let operand = found.range_text(first..sign);
+            let whole = found.range_span(first..sign + 2);
+            (whole, format!("({operand}) {meant}"))
+        }
+    };
+    diagnostic.fix(Fix::maybe(format!("write `{meant}`")).replace(place, meant))
 }
 
-/// Returns whether a double angle bracket has no partner in its own equation.
+/// Returns the first token of the left operand, if the shift at token `sign` is a whole value: it and its operand end at
+/// a bracket, comma or sign of an equation.
+fn shift_operand_start(found: &ErrorContext<'_, '_>, sign: usize) -> Option<usize> {
+    use Token::{Comma, Div, Eq, Ident, Int, LBracket, LParen, Minus, Mod, Plus, Star};
+    use Token::{RBracket, RParen, Semi, Slash};
+    let ends = matches!(
+        found.token_at(sign + 2),
+        Some(Semi | RParen | RBracket | Comma)
+    );
+    let mut first = sign;
+    loop {
+        let before = first.checked_sub(1)?;
+        match found.token_at(before)? {
+            Div | Ident | Int | Minus | Mod | Plus | Slash | Star => first = before,
+            RParen => {
+                first = found
+                    .structure
+                    .partner(before)
+                    .filter(|open| *open < before)?
+            }
+            Eq | LParen | LBracket | Comma => return (ends && first < sign).then_some(first),
+            _ => return None,
+        }
+    }
+}
+
+/// Returns whether the `<<` or `>>` at token `at` is a shift: it has no partner within the same equation.
 fn is_shift(found: &ErrorContext<'_, '_>, at: usize) -> bool {
     use Token::{Eq, LStatic, RStatic, Semi};
     if !matches!(found.token_at(at), Some(LStatic | RStatic)) {
@@ -323,10 +360,9 @@ pub(super) fn arguments_by_semi(found: &ErrorContext<'_, '_>) -> Option<ForeignS
         found.token_at(at).is_some_and(is_type_word)
             && matches!(found.token_at(at + 1), Some(Semi | Token::RParen))
     };
-    if (at..close).any(is_type) {
-        let diagnostic = diagnostic.help("an argument is an expression: `f(x, 1)`");
+    if let Some(ty) = (at..close).find(|at| is_type(*at)) {
         return Some(ForeignSyntax {
-            diagnostic,
+            diagnostic: type_as_argument(found, open, at, ty),
             repair: Repair::RemoveErrorPhrase,
         });
     }
@@ -339,6 +375,29 @@ pub(super) fn arguments_by_semi(found: &ErrorContext<'_, '_>) -> Option<ForeignS
         diagnostic: diagnostic.fix(fix),
         repair: Repair::ReplaceTokens(edits.collect()),
     })
+}
+
+/// Creates the diagnostic for a type in place of an argument: `f(x; int)`. `open` is the parenthesis of the call, `semi`
+/// the first `;` and `ty` the type.
+fn type_as_argument(
+    found: &ErrorContext<'_, '_>,
+    open: usize,
+    semi: usize,
+    ty: usize,
+) -> Diagnostic {
+    let value = match found.token_at(ty) {
+        Some(Token::BoolType) => "true",
+        Some(Token::RealType) => "1.0",
+        _ => "1",
+    };
+    let before = found.range_text(open - 1..semi);
+    foreign_syntax("an argument of a call is an expression, not a type")
+        .primary(found.token_span(ty), "expected a value")
+        .secondary(found.token_span(semi), "arguments are separated by `,`")
+        .help(format!(
+            "write a value in place of `{}`: `{before}, {value})`",
+            found.source_text(ty)
+        ))
 }
 
 /// Recognises a `;` in place of `:` or `,` in a header: `(x; int)`, `(x; y: int)`.

@@ -33,7 +33,10 @@ pub(super) fn update_without_parens(found: &ErrorContext<'_, '_>) -> Option<Fore
         false => Fix::maybe(title),
     };
     let diagnostic = foreign_syntax("an update of a value is written in parentheses")
-        .primary(found.token_span(at), "`(a with [1] = x)`")
+        .primary(
+            found.token_span(at),
+            "the update needs parentheses around it",
+        )
         .fix(
             fix.insert_before(found.token_span(start), "(")
                 .insert_after(found.token_span(end - 1), ")"),
@@ -57,7 +60,7 @@ pub(super) fn field_without_dot(found: &ErrorContext<'_, '_>) -> Option<ForeignS
     let diagnostic = foreign_syntax("an updated field is written with a dot")
         .primary(
             found.token_span(at),
-            format!("`.{}`", found.source_text(at)),
+            format!("expected `.{}`", found.source_text(at)),
         )
         .fix(Fix::sure("insert `.`").insert_before(found.token_span(at), "."));
     let repair = Repair::ReplaceTokens(vec![found.insertion(at, Token::Dot)]);

@@ -67,7 +67,8 @@ pub(super) fn prefix_word(found: &ErrorContext<'_, '_>) -> Option<ForeignSyntax>
     Some(replace_operator(found, at, token))
 }
 
-/// Returns the prefix operator that `word` is a misspelling of.
+/// Returns the prefix operator (`not`, `pre`, `last` or `current`) of which `word` is a misspelling; `None` if there is
+/// none.
 fn misspelt_prefix(found: &ErrorContext<'_, '_>, word: &str) -> Option<Token> {
     const WORDS: [Token; 4] = [Token::Not, Token::Pre, Token::Last, Token::Current];
     let is_there = |token: &&Token| token.keyword().is_some_and(|k| k.is_in(found.cx.dialect));
@@ -79,14 +80,14 @@ fn misspelt_prefix(found: &ErrorContext<'_, '_>, word: &str) -> Option<Token> {
     Token::from_spelling(&meant)
 }
 
-/// Looks up a word in a table, ignoring case.
+/// Returns the token that a table assigns to a word, ignoring case; `None` if no row lists the word.
 fn lookup(table: &[(&[&str], Token)], word: &str) -> Option<Token> {
     let word = word.to_ascii_lowercase();
     let row = table.iter().find(|(words, _)| words.contains(&&*word));
     row.map(|(_, token)| *token)
 }
 
-/// Reports that the word at token `at` means the operator `token`, and replaces it.
+/// Reports that the word at token `at` means the operator `token`. The repair replaces the word by the operator.
 fn replace_operator(found: &ErrorContext<'_, '_>, at: usize, token: Token) -> ForeignSyntax {
     let meant = token.spelling().unwrap_or_default();
     let span = found.token_span(at);
@@ -104,7 +105,7 @@ fn replace_operator(found: &ErrorContext<'_, '_>, at: usize, token: Token) -> Fo
     }
 }
 
-/// Returns whether token `at` is in the position of an operand: after an operator or an opening bracket.
+/// Returns whether an operand is expected at token `at`, because an operator, keyword or opening bracket precedes it.
 pub(super) fn is_operand_position(found: &ErrorContext<'_, '_>, at: usize) -> bool {
     use Token::{
         And, Arrow, Assert, Coalesce, Comma, Div, Else, Eq, Ge, Gt, If, Implies, LBracket, LParen,
@@ -146,7 +147,7 @@ pub(super) fn is_operand_position(found: &ErrorContext<'_, '_>, at: usize) -> bo
     )
 }
 
-/// Returns whether an operand begins at token `at`, on the same line as the token before.
+/// Returns whether an operand begins at token `at`, on the same line as the token before it.
 pub(super) fn begins_operand(found: &ErrorContext<'_, '_>, at: usize) -> bool {
     use Token::{False, Ident, Int, LParen, Minus, Not, Path, Pre, Real, True};
     let begins = matches!(
@@ -177,7 +178,7 @@ pub(super) fn bool_conversion(found: &ErrorContext<'_, '_>) -> Option<ForeignSyn
     })
 }
 
-/// Recognises a counted condition: `3 times c`.
+/// Recognises a count of the cycles in which a condition held: `3 times c`.
 pub(super) fn counted_condition(found: &ErrorContext<'_, '_>) -> Option<ForeignSyntax> {
     let at = found.error.index;
     let is_count = matches!(found.token_before(), Some(Token::Int | Token::Ident));

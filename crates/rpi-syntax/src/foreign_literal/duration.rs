@@ -1,6 +1,6 @@
 //! Duration literals of IEC 61131-3, such as `T#1m30s`.
 
-/// Units of a duration: IEC name, RPI name, length in nanoseconds. The longest unit is first.
+/// Units of a duration in descending order: IEC name, RPI name, length in nanoseconds.
 const UNITS: &[(&str, &str, u64)] = &[
     ("d", "d", 86_400_000_000_000),
     ("h", "h", 3_600_000_000_000),
@@ -11,10 +11,11 @@ const UNITS: &[(&str, &str, u64)] = &[
     ("ns", "ns", 1),
 ];
 
-/// Number in a duration literal, with the index of its unit in the table.
+/// Number in a duration literal, with the index of its unit in [`UNITS`].
 type Part<'t> = (&'t str, usize);
 
-/// Converts a duration without its prefix to a number and an RPI unit: its smallest one. Returns [`None`] if malformed.
+/// Converts a duration without its prefix, such as `1m30s`, to a number and an RPI unit, the smallest one in the text.
+/// Returns [`None`] if the text is malformed.
 pub(super) fn parse(text: &str) -> Option<(String, &'static str)> {
     let text = text.to_ascii_lowercase().replace('_', "");
     let mut parts = Vec::new();
@@ -43,7 +44,7 @@ pub(super) fn parse(text: &str) -> Option<(String, &'static str)> {
     Some((number, name))
 }
 
-/// Splits off the first number of a duration with its unit. Returns them and the rest of the text.
+/// Returns the first number of a duration with its unit, and the rest of the text; `None` if the text begins otherwise.
 fn part(text: &str) -> Option<(Part<'_>, &str)> {
     let end = text.find(|c: char| !c.is_ascii_digit() && c != '.')?;
     let (number, rest) = text.split_at(end);

@@ -2,13 +2,13 @@
 
 use super::{ForeignLiteral, LiteralReplacement, duration};
 
-/// Label of the diagnostics.
+/// Label of the diagnostics about literals of IEC 61131-3.
 const LABEL: &str = "literal of IEC 61131-3";
 
-/// Prefixes of durations, in lower case.
+/// Prefixes of duration literals, in lower case.
 const DURATIONS: &[&str] = &["t", "time", "lt", "ltime"];
 
-/// Prefixes of dates and times of day, in lower case.
+/// Prefixes of literals for dates and times of day, in lower case.
 const DATES: &[&str] = &[
     "d",
     "date",
@@ -22,16 +22,16 @@ const DATES: &[&str] = &[
     "ldt",
 ];
 
-/// Prefixes of integers and bit strings, in lower case.
+/// Prefixes of integer and bit string literals, in lower case.
 const INTEGERS: &[&str] = &[
     "sint", "int", "dint", "lint", "usint", "uint", "udint", "ulint", "byte", "word", "dword",
     "lword",
 ];
 
-/// Prefixes of real numbers, in lower case.
+/// Prefixes of literals for real numbers, in lower case.
 const REALS: &[&str] = &["real", "lreal"];
 
-/// Converts a literal with `#` by its prefix.
+/// Converts a literal of IEC 61131-3, which has the form `prefix#value`, to RPI.
 pub(crate) fn convert_iec(text: &str) -> ForeignLiteral {
     let (head, body) = text.split_once('#').unwrap_or(("", text));
     let lower = head.to_ascii_lowercase();
@@ -56,7 +56,8 @@ fn value(base: u32, digits: &str) -> Option<u64> {
     is_base.then(|| u64::from_str_radix(&digits, base).ok())?
 }
 
-/// Converts a based integer: `16#FF`.
+/// Converts a literal with a base, such as `16#FF`, to RPI. `digits` is the text after the `#`, `text` the whole
+/// literal.
 fn convert_based(base: u32, text: &str, digits: &str) -> ForeignLiteral {
     let Some(value) = value(base, digits) else {
         return ForeignLiteral::unknown(format!("`{text}` is not a valid number"), LABEL);
@@ -68,7 +69,7 @@ fn convert_based(base: u32, text: &str, digits: &str) -> ForeignLiteral {
     ForeignLiteral::number(format!("this number is written `{meant}`"), LABEL, meant)
 }
 
-/// Converts a duration: `T#500ms`.
+/// Converts a duration literal such as `T#500ms`, whose text after the `#` is `body`.
 fn convert_duration(body: &str) -> ForeignLiteral {
     let (sign, length) = match body.strip_prefix(['+', '-']) {
         Some(length) if body.starts_with('-') => ("-", length),
@@ -88,7 +89,7 @@ fn convert_duration(body: &str) -> ForeignLiteral {
     }
 }
 
-/// Converts a typed integer: `INT#5`, `WORD#16#FF`.
+/// Converts a typed integer such as `INT#5` or `WORD#16#FF`, whose text after the first `#` is `body`.
 fn convert_integer(text: &str, body: &str) -> ForeignLiteral {
     let (sign, digits) = match body.strip_prefix('-') {
         Some(digits) => ("-", digits),
@@ -113,7 +114,7 @@ fn convert_integer(text: &str, body: &str) -> ForeignLiteral {
     }
 }
 
-/// Converts a typed real number: `REAL#1.5`.
+/// Converts a typed real number such as `REAL#1.5`, whose text after the `#` is `body`.
 fn convert_real(body: &str) -> ForeignLiteral {
     let plain = body.replace('_', "");
     let digits = plain.trim_start_matches(['+', '-']);
@@ -137,7 +138,7 @@ fn convert_real(body: &str) -> ForeignLiteral {
     }
 }
 
-/// Converts a typed Boolean: `BOOL#TRUE`.
+/// Converts a typed Boolean such as `BOOL#TRUE`, whose text after the `#` is `body`.
 fn convert_bool(body: &str) -> ForeignLiteral {
     let value = matches!(body.to_ascii_lowercase().as_str(), "true" | "1");
     let meant = value.to_string();
@@ -153,7 +154,8 @@ fn convert_bool(body: &str) -> ForeignLiteral {
     }
 }
 
-/// Converts a literal with an unknown prefix, most likely a value of an enum: `Mode#Idle`.
+/// Converts a literal with an unknown prefix, such as `Mode#Idle`. It is most likely a value of an enum. `body` is the
+/// text after the `#`.
 fn convert_enum_value(text: &str, body: &str) -> ForeignLiteral {
     let is_name = body.starts_with(|c: char| c.is_ascii_alphabetic()) && !body.contains(['#', '.']);
     match is_name {

@@ -7,34 +7,34 @@ mod iec;
 
 pub(crate) use iec::convert_iec;
 
-/// Literal of another language, with its diagnostic and replacement.
+/// Literal of another language, with the texts of its diagnostic and its replacement.
 #[derive(PartialEq, Debug)]
 pub(crate) struct ForeignLiteral {
-    /// Message of the diagnostic.
+    /// Message of the diagnostic about the literal.
     pub(crate) message: String,
-    /// Label at the literal.
+    /// Text of the label at the literal.
     pub(crate) label: &'static str,
     /// Equivalent RPI text for the fix, if there is one.
     pub(crate) replacement_text: Option<String>,
-    /// Whether the fix certainly keeps the value, so that it can be applied automatically.
+    /// Whether the replacement certainly has the same value, so that the fix can be applied automatically.
     pub(crate) is_sure: bool,
-    /// Replacement in the syntax tree.
+    /// Value that replaces the literal in the syntax tree.
     pub(crate) replacement: LiteralReplacement,
 }
 
-/// Replacement of a foreign literal in the syntax tree.
+/// Value that replaces a foreign literal in the syntax tree.
 #[derive(PartialEq, Debug)]
 pub(crate) enum LiteralReplacement {
-    /// The literal is replaced by this number with an optional unit.
+    /// Number with an optional unit: source text and name of the unit.
     Number(String, Option<&'static str>),
-    /// The literal is replaced by this Boolean.
+    /// The literal `true` or `false` of RPI.
     Bool(bool),
-    /// The literal is replaced by this name, such as a value of an enum.
+    /// Name, such as a value of an enum.
     Name(String),
 }
 
 impl ForeignLiteral {
-    /// Creates a literal that is equivalent to the RPI number `text`.
+    /// Creates a literal that is equivalent to the RPI number `text`. `seen` is the label of the diagnostic.
     fn number(message: String, seen: &'static str, text: String) -> ForeignLiteral {
         ForeignLiteral {
             message,
@@ -45,7 +45,8 @@ impl ForeignLiteral {
         }
     }
 
-    /// Creates a literal without an RPI equivalent. The tree holds 0 instead.
+    /// Creates a literal without an RPI equivalent; the syntax tree has the number 0 in its place. `seen` is the label
+    /// of the diagnostic.
     fn unknown(message: String, seen: &'static str) -> ForeignLiteral {
         ForeignLiteral {
             message,
@@ -57,7 +58,7 @@ impl ForeignLiteral {
     }
 }
 
-/// Returns the length in bytes of the number at the start of a text: digits, fraction and exponent.
+/// Returns the length in bytes of the decimal number at the start of a text: digits, fraction and exponent.
 pub(crate) fn number_len(text: &str) -> usize {
     let bytes = text.as_bytes();
     let count = |from: usize| {
@@ -78,14 +79,15 @@ pub(crate) fn number_len(text: &str) -> usize {
     end
 }
 
-/// Converts a number of another language: `0b101`, `0o17`, `1_000`, `0xFF_FF`, `10u`, `1.0f`, `0x1Ful`.
+/// Converts a number in the notation of another language: `0b101`, `0o17`, `1_000`, `0xFF_FF`, `10u`, `1.0f`, `0x1Ful`.
+/// `None` for other notations.
 pub(crate) fn convert_number(text: &str) -> Option<ForeignLiteral> {
     convert_radix(text)
         .or_else(|| convert_grouped(text))
         .or_else(|| convert_suffixed(text))
 }
 
-/// Prefixes of binary and octal numbers: prefix, base, name.
+/// Prefixes of binary and octal numbers, each with its base and the name of the notation in messages.
 const PREFIXES: &[(&str, u32, &str)] = &[
     ("0b", 2, "binary"),
     ("0B", 2, "binary"),
@@ -93,7 +95,7 @@ const PREFIXES: &[(&str, u32, &str)] = &[
     ("0O", 8, "octal"),
 ];
 
-/// Converts a binary or octal number: `0b1010`, `0o17`.
+/// Converts a binary or octal number: `0b1010`, `0o17`. `None` for other notations.
 fn convert_radix(text: &str) -> Option<ForeignLiteral> {
     let rows = PREFIXES.iter();
     let mut found =
@@ -108,7 +110,7 @@ fn convert_radix(text: &str) -> Option<ForeignLiteral> {
     ))
 }
 
-/// Converts a number with digit separators: `1_000`, `1_000.5`, `1'000`, `0xFF_FF`.
+/// Converts a number with digit separators: `1_000`, `1_000.5`, `1'000`, `0xFF_FF`. `None` for other notations.
 fn convert_grouped(text: &str) -> Option<ForeignLiteral> {
     let sign = if text.contains('\'') { '\'' } else { '_' };
     let plain = text.replace(sign, "");
@@ -130,10 +132,10 @@ const SUFFIXES: &[&str] = &[
     "u16", "u32", "u64", "usize", "isize", "f32", "f64",
 ];
 
-/// Suffixes that are also units in RPI: litre and farad.
+/// Suffixes that are also units in RPI, litre and farad, so that a suffixed number has two readings.
 const UNIT_SUFFIXES: &[&str] = &["l", "L", "F"];
 
-/// Converts a number with a type suffix: `10u`, `10L`, `1.0f`, `1e3f`, `0x1Fu`, `5i32`.
+/// Converts a number with a type suffix: `10u`, `10L`, `1.0f`, `1e3f`, `0x1Fu`, `5i32`. `None` for other notations.
 fn convert_suffixed(text: &str) -> Option<ForeignLiteral> {
     let end = match text.starts_with("0x") || text.starts_with("0X") {
         true => {
@@ -167,7 +169,7 @@ fn convert_suffixed(text: &str) -> Option<ForeignLiteral> {
     Some(ForeignLiteral { is_sure, ..numeral })
 }
 
-/// Largest number that every integer type can hold.
+/// Largest number that every integer type, including signed 8-bit integers, can hold.
 const MAX_COMMON_INT: u64 = 127;
 
 /// Returns whether an integer, decimal or hexadecimal, is at most [`MAX_COMMON_INT`].
@@ -177,7 +179,7 @@ fn is_small(number: &str) -> bool {
     u64::from_str_radix(digits, base).is_ok_and(|value| value <= MAX_COMMON_INT)
 }
 
-/// Returns whether a number is exact in single precision: 0.5 is, 0.1 is not.
+/// Returns whether a number has the same value in single and in double precision, as 0.5 has but 0.1 has not.
 #[allow(clippy::float_cmp)]
 fn is_exact_in_f32(number: &str) -> bool {
     let value: f64 = number.parse().unwrap_or(f64::NAN);

@@ -10,14 +10,15 @@ use crate::{lexical_errors, neighbours};
 use logos::Logos;
 use rpi_diag::{Diagnostic, Span};
 
-/// Maximum number of tokens of a line that are inspected.
+/// Maximum number of tokens of a line that are inspected to distinguish a comment from an operand. Bounds the time for
+/// long lines.
 const MAX_TOKENS: usize = 40;
 
-/// Predeclared values, which no source text declares.
+/// Names of predeclared flows and constants, which no program declares.
 const PREDECLARED: &[&str] = &["dt", "first", "pi", "time"];
 
 impl Lexer<'_> {
-    /// Returns whether a mark begins a comment.
+    /// Returns whether the mark `token` (`//`, `#` or `%`), which ends at byte offset `end`, begins a comment.
     ///
     /// `#` before `(` is an operator, `%` after a number means per cent, and `//` between operands is a division.
     pub(super) fn begins_comment(&self, token: Token, text: &str, end: u32) -> bool {
@@ -30,7 +31,7 @@ impl Lexer<'_> {
         }
     }
 
-    /// Reports a division written as `x // 2`, and pushes the RPI operator.
+    /// Reports a division written as `x // 2`, and adds the token `div` in place of `//`.
     pub(super) fn slash_division(&mut self, lexeme: Lexeme) {
         let span = self.span(lexeme);
         self.report(
@@ -40,7 +41,8 @@ impl Lexer<'_> {
         self.push(Token::Div, lexeme);
     }
 
-    /// Creates the diagnostic of a comment with a foreign mark. `mark` is the length of the mark in bytes.
+    /// Creates the diagnostic of a comment with the marker of another language. `mark` is the length of the marker in
+    /// bytes.
     pub(super) fn foreign_comment(&self, span: Span, mark: u32) -> Diagnostic {
         // After a value, the text may be a misspelt operand, and `#` begins directives of C. Then the fix is not sure.
         let behind_end = self.last_token() == Some(Token::End);
@@ -53,18 +55,20 @@ impl Lexer<'_> {
         self.output.lexemes.last().map(|lexeme| lexeme.token)
     }
 
-    /// Returns whether a statement, or the text, begins here.
+    /// Returns whether a statement or the text begins after the tokens read so far.
     fn begins_statement(&self) -> bool {
         let before = self.last_token();
         matches!(before, None | Some(Token::Semi | Token::Let | Token::Tel))
     }
 
-    /// Returns whether an operand ends before a mark and another one may begin after it.
+    /// Returns whether the tokens read so far end with an operand and an operand may begin with `rest`, the text after
+    /// a mark.
     fn is_between_operands(&self, rest: &str) -> bool {
         self.last_token().is_some_and(neighbours::ends_value) && self.may_be_operand(rest)
     }
 
-    /// Returns whether the rest of a line may be an operand: no unknown character, no two names or numbers in a row.
+    /// Returns whether the first line of `rest` may be an operand: it has no unknown character and no two adjacent
+    /// names or numbers.
     fn may_be_operand(&self, rest: &str) -> bool {
         let line = rest.lines().next().unwrap_or_default();
         let tokens: Vec<_> = Token::lexer(line).spanned().take(MAX_TOKENS).collect();

@@ -2,7 +2,8 @@
 
 use rpi_diag::Diagnostic;
 
-/// Kind of an error of the lexer. The parser decides by the kind, never by the code or text, what to report.
+/// Kind of an error of the lexer. The parser decides by the kind, and not by code or text of the diagnostic, whether to
+/// report the error.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub(crate) enum LexicalErrorKind {
     /// Characters that form no token.
@@ -11,15 +12,16 @@ pub(crate) enum LexicalErrorKind {
     Unclosed,
     /// Operator, literal or comment marker of another language.
     ForeignSyntax,
-    /// Argument named with an operator of another language: `f(a := x)`.
+    /// Argument that is named with an operator of another language: `f(a := x)`.
     NamedArgument,
-    /// Any other error: a number outside of its range or with a suffix, an unsupported contract, a text that is too
+    /// Any other error: a number that is out of range or has a suffix, an unsupported contract, or a text that is too
     /// long.
     Other,
 }
 
 impl LexicalErrorKind {
-    /// Returns whether a reported statement of another language explains an error of this kind within it.
+    /// Returns whether an error of this kind within a reported statement of another language needs no diagnostic of its
+    /// own.
     pub(crate) fn is_explained_by_foreign_statement(self) -> bool {
         match self {
             Self::UnknownChars | Self::ForeignSyntax | Self::NamedArgument => true,
@@ -27,7 +29,7 @@ impl LexicalErrorKind {
         }
     }
 
-    /// Returns whether the text with the error is missing from the tokens.
+    /// Returns whether the characters with an error of this kind are missing from the tokens.
     pub(crate) fn leaves_gap(self) -> bool {
         match self {
             Self::UnknownChars | Self::Unclosed => true,
@@ -36,7 +38,7 @@ impl LexicalErrorKind {
     }
 }
 
-/// Characters that form no token, with the diagnostic for them.
+/// Error of the lexer: its kind and its diagnostic.
 #[derive(Clone, Debug)]
 pub(crate) struct LexicalError {
     pub(crate) kind: LexicalErrorKind,

@@ -9,7 +9,7 @@ use logos::Logos;
 use rpi_diag::Code;
 
 impl Lexer<'_> {
-    /// Checks the range of a number and pushes it.
+    /// Adds the token of a number. Reports a number that is too large.
     pub(super) fn number(&mut self, lexeme: Lexeme) {
         let is_machine = self.is_machine_int_operand();
         let diagnostic =
@@ -20,7 +20,7 @@ impl Lexer<'_> {
         self.push(lexeme.token, lexeme);
     }
 
-    /// Splits `0..` into an integer and the token `..`.
+    /// Splits a token such as `0..` into an integer and the token `..`, and adds both.
     pub(super) fn int_dot_dot(&mut self, lexeme: Lexeme) {
         let middle = lexeme.end - 2;
         self.number(Lexeme {
@@ -35,7 +35,7 @@ impl Lexer<'_> {
         self.push(Token::DotDot, dots);
     }
 
-    /// Returns the keyword that a text is, if a number may precede it.
+    /// Returns the keyword that is spelt `text`; `None` if there is none, or if it cannot follow a number.
     fn keyword_after_number(&self, text: &str) -> Option<Token> {
         let token = Token::from_spelling(text)?;
         let word = token.keyword().filter(|word| word.is_in(self.mode))?;
@@ -44,7 +44,8 @@ impl Lexer<'_> {
         is_word.then_some(token)
     }
 
-    /// Reports a number that is directly followed by a word, such as `250mm/s`, and pushes a number with its unit.
+    /// Reports a number that is directly followed by a word, such as `250mm/s`, and adds the tokens of the number with
+    /// its unit, factor or keyword.
     pub(super) fn number_with_suffix(&mut self, lexeme: Lexeme) {
         let text = self.slice(lexeme);
         let digits = foreign_literal::number_len(text);
@@ -82,7 +83,8 @@ impl Lexer<'_> {
         }
     }
 
-    /// Pushes a name after a number as a factor, with an inserted `*`.
+    /// Adds the tokens of a product for a name directly after a number: an inserted `*`, and the name. The name begins
+    /// at byte offset `start`.
     fn push_factor(&mut self, lexeme: Lexeme, start: u32) {
         let star = Lexeme {
             token: Token::Star,
@@ -93,7 +95,7 @@ impl Lexer<'_> {
         self.push(Token::Ident, Lexeme { start, ..lexeme });
     }
 
-    /// Pushes a unit without brackets, with inserted brackets.
+    /// Adds the tokens of a unit without brackets, with inserted brackets. The unit begins at byte offset `start`.
     fn push_unit(&mut self, text: &str, start: u32) {
         let at = |offset: usize| start + offset as u32;
         let bracket = |token, place| Lexeme {
@@ -112,13 +114,13 @@ impl Lexer<'_> {
             .push(bracket(Token::RBracket, at(text.len())));
     }
 
-    /// Reports a literal of IEC 61131-3, such as `T#500ms`, and pushes its RPI equivalent.
+    /// Reports a literal of IEC 61131-3, such as `T#500ms`, and adds its RPI equivalent as tokens.
     pub(super) fn iec_literal(&mut self, lexeme: Lexeme) {
         let numeral = foreign_literal::convert_iec(self.slice(lexeme));
         self.foreign_literal(lexeme, LexicalErrorKind::ForeignSyntax, numeral);
     }
 
-    /// Reports a literal of another language and pushes its replacement.
+    /// Reports a literal of another language and adds its replacement as tokens.
     fn foreign_literal(&mut self, lexeme: Lexeme, kind: LexicalErrorKind, numeral: ForeignLiteral) {
         let code = match kind {
             LexicalErrorKind::ForeignSyntax => Code::RPI0016,
@@ -147,7 +149,8 @@ impl Lexer<'_> {
         }
     }
 
-    /// Pushes a unit in brackets that has no text of its own, all at offset `at`.
+    /// Adds the tokens of a unit in brackets that does not occur in the text. All tokens are empty and lie at byte
+    /// offset `at`.
     fn push_replaced_unit(&mut self, unit: &str, at: u32) {
         self.output.replaced_text.insert((at, at), unit.to_owned());
         for token in [Token::LBracket, Token::Ident, Token::RBracket] {
@@ -156,7 +159,8 @@ impl Lexer<'_> {
         }
     }
 
-    /// Returns whether a number is converted to a machine integer of Kind 2: `(uint64 18446744073709551615)`.
+    /// Returns whether the tokens read so far end with a conversion of the next number to a 64-bit machine integer:
+    /// `(uint64 18446744073709551615)`.
     fn is_machine_int_operand(&self) -> bool {
         use Token::{Gt, Int64, LParen, UInt64};
         let mut before = self

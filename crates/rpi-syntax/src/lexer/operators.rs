@@ -9,13 +9,14 @@ use rpi_diag::Span;
 /// Lazy implication of Kind 2: its right side is evaluated only if the left side holds.
 const LAZY_IMPLICATION: &str = "==>";
 
-/// Operator of Kind 2 between an index and its new value, in brackets.
+/// Operator of Kind 2 between an index and its new value in an update: `a[0 := x]`.
 const ASSIGN: &str = ":=";
 
-/// Maximum number of tokens that are searched backwards for an open bracket.
+/// Maximum number of tokens that are searched backwards for an open bracket. Bounds the time for long lists.
 const MAX_LOOKBEHIND: usize = 200;
 
-/// Treats bit operators as Boolean operators in statements that contain comparisons of C, such as `==`.
+/// Reads `&&`, `||` and `!` as Boolean operators in statements that contain comparisons of C, such as `==`, and reports
+/// them.
 // In Lustre mode, `&&`, `||` and `!` are bit operators of Kind 2. Next to `==`, the author most likely wrote C.
 pub(super) fn convert_c_operators(lexer: &mut Lexer<'_>) {
     use Token::{BitAnd, BitNot, BitOr, Let, Semi, Tel};
@@ -54,7 +55,7 @@ pub(super) fn convert_c_operators(lexer: &mut Lexer<'_>) {
 }
 
 impl Lexer<'_> {
-    /// Splits `++` into two tokens, where it is not an operator.
+    /// Splits a two-character token such as `++`, which is no operator in RPI files, into two tokens `sign`.
     pub(super) fn split_operator(&mut self, sign: Token, lexeme: Lexeme) {
         let middle = lexeme.start + 1;
         self.push(
@@ -73,7 +74,7 @@ impl Lexer<'_> {
         );
     }
 
-    /// Reports a foreign operator, such as `==`, and pushes its RPI equivalent.
+    /// Reports an operator of another language, such as `==`, and adds its RPI equivalent as a token.
     pub(super) fn foreign_operator(&mut self, lexeme: Lexeme) {
         let written = self.slice(lexeme);
         if self.mode == Dialect::Lustre && written == LAZY_IMPLICATION {
@@ -90,7 +91,7 @@ impl Lexer<'_> {
         self.push(sign.token, lexeme);
     }
 
-    /// Handles `:=`: an operator of Kind 2 in Lustre files, an error elsewhere.
+    /// Adds the token for `:=`, an operator of Kind 2 within brackets in Lustre files; reports an error elsewhere.
     fn assign_operator(&mut self, lexeme: Lexeme) {
         if self.mode == Dialect::Lustre && self.is_in_brackets() {
             return self.push(Token::Becomes, lexeme);
@@ -99,14 +100,17 @@ impl Lexer<'_> {
         let (diagnostic, token) = foreign::assign_diagnostic(self.span(lexeme), self.text, context);
         let kind = match context {
             AssignContext::Argument => LexicalErrorKind::NamedArgument,
-            AssignContext::Definition | AssignContext::Other => LexicalErrorKind::ForeignSyntax,
+            AssignContext::Definition | AssignContext::Comparison | AssignContext::Other => {
+                LexicalErrorKind::ForeignSyntax
+            }
         };
         self.report(kind, diagnostic);
         self.push(token, lexeme);
     }
 
-    /// Returns the construct that a `:=` after the tokens so far belongs to.
+    /// Returns the construct in which a `:=` after the tokens read so far occurs.
     fn assign_context(&self) -> AssignContext {
+        use Token::{And, Assert, If, Not, Or, Unless, Until, When};
         use Token::{
             BoolType, Colon, Comma, Dot, Ident, Int, IntType, LBracket, RBracket, RealType,
         };
@@ -127,13 +131,16 @@ impl Lexer<'_> {
                 BoolType | Colon | Comma | Dot | Ident | Int | IntType | LBracket | Path
                 | RBracket | RealType | LParen => {}
                 _ if is_named => {}
+                And | Assert | If | Not | Or | Unless | Until | When => {
+                    return AssignContext::Comparison;
+                }
                 _ => return AssignContext::Other,
             }
         }
         AssignContext::Other
     }
 
-    /// Returns whether a `[` is open, or another `:=` precedes within the same brackets.
+    /// Returns whether a `[` is open after the tokens read so far, or an update such as `a[0 := x; 1` has begun.
     fn is_in_brackets(&self) -> bool {
         let mut closed = 0u32;
         let before = self.output.lexemes.iter().rev().take(MAX_LOOKBEHIND);

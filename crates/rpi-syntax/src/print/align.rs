@@ -6,14 +6,15 @@
 
 use std::ops::Range;
 
-/// Token of the printed document, to be aligned with the tokens of the source.
+/// Word of the printed document, which is aligned with the words of the source. A word is a token other than `,` and
+/// `;`.
 pub(super) struct DocWord<'d> {
     pub(super) text: &'d str,
-    /// Index of the source token at the same offset, if the offset is known.
+    /// Index of the source word at the same source offset, if the offset of the printed word is known.
     pub(super) anchor: Option<usize>,
 }
 
-/// Returns for each source token the index of its document token, or `None` if the token was omitted.
+/// Returns for each source word the index of its printed word, or `None` if the formatter omitted the word.
 pub(super) fn align(source: &[&str], printed: &[DocWord<'_>]) -> Vec<Option<usize>> {
     let mut became = vec![None; source.len()];
     for (from, to) in anchored_ranges(source, printed) {
@@ -25,7 +26,8 @@ pub(super) fn align(source: &[&str], printed: &[DocWord<'_>]) -> Vec<Option<usiz
     became
 }
 
-/// Returns the token ranges between consecutive anchors: in the source, and in the document.
+/// Returns pairs of ranges, of source words and of printed words, between consecutive printed words whose source offset
+/// is known.
 fn anchored_ranges(source: &[&str], printed: &[DocWord<'_>]) -> Vec<(Range<usize>, Range<usize>)> {
     let anchored = printed.iter().enumerate();
     let anchored = anchored.filter_map(|(to, word)| Some((anchor_token(source, word)?, to)));
@@ -46,7 +48,8 @@ fn anchored_ranges(source: &[&str], printed: &[DocWord<'_>]) -> Vec<(Range<usize
     begins.iter().zip(ends).map(stretch).collect()
 }
 
-/// Returns the index of the source token that corresponds to an anchored document token.
+/// Returns the index of the source word that corresponds to a printed word with a known source offset; `None` if the
+/// offset is unknown.
 fn anchor_token(source: &[&str], word: &DocWord<'_>) -> Option<usize> {
     let at = word.anchor?.min(source.len());
     let is = |at: usize| source.get(at) == Some(&word.text);
@@ -55,7 +58,8 @@ fn anchor_token(source: &[&str], word: &DocWord<'_>) -> Option<usize> {
     Some(early.unwrap_or(at))
 }
 
-/// Returns the pairs of equal tokens, in order, and of tokens between them that the style rewrites.
+/// Returns pairs of indices into `source` and `printed`: equal words in the same order, and words between them that the
+/// formatter replaced one by one.
 fn pairs(source: &[&str], printed: &[&str]) -> Vec<(usize, usize)> {
     let mut pairs = Vec::new();
     let mut done = (0, 0);
@@ -73,17 +77,19 @@ fn pairs(source: &[&str], printed: &[&str]) -> Vec<(usize, usize)> {
     pairs
 }
 
-/// Returns whether the printed tokens replace the source tokens one by one. Parentheses only replace parentheses.
+/// Returns whether the printed words replace the source words one by one. Parentheses only replace parentheses.
 fn is_rewritten(source: &[&str], printed: &[&str]) -> bool {
     let is_round = |token: &str| matches!(token, "(" | ")");
     source.len() == printed.len()
         && (source.iter().zip(printed)).all(|(a, b)| is_round(a) == is_round(b))
 }
 
-/// Maximum number of token comparisons between two anchors. Time and memory are quadratic in the number of tokens.
+/// Maximum number of word comparisons per range. Time and memory are quadratic in the number of words; longer ranges
+/// are aligned only at their start.
 const MAX_COMPARISONS: usize = 1 << 16;
 
-/// Returns the longest common subsequence of two token lists, as pairs of indices.
+/// Returns the longest common subsequence of two word lists, as pairs of indices. Lists that are too long give only
+/// their common start.
 fn longest_common_subsequence(source: &[&str], printed: &[&str]) -> Vec<(usize, usize)> {
     let head = source.iter().zip(printed).take_while(|(a, b)| a == b);
     let head = head.count();
@@ -107,7 +113,8 @@ fn longest_common_subsequence(source: &[&str], printed: &[&str]) -> Vec<(usize, 
     same
 }
 
-/// Returns the table of the lengths of the longest common subsequences of all suffixes.
+/// Returns the lengths of the longest common subsequences of all suffixes: entry `[i][j]` is for `source[i..]` and
+/// `printed[j..]`.
 fn lcs_lengths(source: &[&str], printed: &[&str]) -> Vec<Vec<u32>> {
     let mut lengths = vec![vec![0; printed.len() + 1]; source.len() + 1];
     for i in (0..source.len()).rev() {

@@ -53,7 +53,7 @@ fn indented(printer: &Printer<'_>, statements: &[Statement]) -> Doc {
 }
 
 impl ConditionalKeyword {
-    /// Returns the keyword that begins the block, with a space.
+    /// Returns the keyword that begins the block, followed by a space.
     pub(crate) fn open_keyword(self) -> &'static str {
         match self {
             ConditionalKeyword::If => "if ",
@@ -62,7 +62,8 @@ impl ConditionalKeyword {
         }
     }
 
-    /// Returns the text before and after the condition of a branch.
+    /// Returns the texts before and after the condition of a branch, such as `elsif ` and ` then`. `is_first` is true
+    /// for the first branch.
     fn branch_delimiters(self, is_first: bool) -> (&'static str, &'static str) {
         match (self, is_first) {
             (ConditionalKeyword::Cond, _) => ("| ", ":"),

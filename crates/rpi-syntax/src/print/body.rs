@@ -13,7 +13,7 @@ use crate::ast::{self, *};
 use crate::string_literal::quote;
 use rpi_diag::Span;
 
-/// Prints a header with its contract, local declarations and `let ... tel` below it.
+/// Prints a declaration: the header `head`, and below it the contract, the local declarations and `let ... tel`.
 pub(super) fn with_body(
     printer: &Printer<'_>,
     head: Doc,
@@ -31,7 +31,7 @@ fn print_body(printer: &Printer<'_>, body: &Body) -> Doc {
     concat([locals, block("let", statements, "tel")])
 }
 
-/// Prints a body on one line if it is short enough.
+/// Prints a body on one line if it has no local declarations and few simple statements, else like [`print_body`].
 fn short_body(printer: &Printer<'_>, body: &Body) -> Doc {
     let short = body.locals.is_empty()
         && body.statements.len() <= MAX_ON_ONE_LINE
@@ -69,7 +69,8 @@ fn print_locals(printer: &Printer<'_>, locals: &[Locals]) -> Doc {
     concat(sections.collect::<Vec<_>>())
 }
 
-/// Prints a section of declarations: `var x: int;`, or several declarations on a line each.
+/// Prints a section of declarations: `var x: int;` on one line, or several declarations with one per line. `head` is
+/// the keyword of the section.
 pub(super) fn print_section<T>(
     printer: &Printer<'_>,
     head: &'static str,
@@ -104,7 +105,8 @@ pub(super) fn print_statements(printer: &Printer<'_>, statements: &[Statement]) 
     )
 }
 
-/// Prints a statement. `width` is the column width of `finish`, `yield` and `fail` in adjacent statements.
+/// Prints a statement. `width` is the number of characters to which `finish`, `yield` and `fail` in adjacent statements
+/// are padded.
 fn print_statement(printer: &Printer<'_>, kind: &StatementKind, width: usize) -> Doc {
     let phrase = match kind {
         StatementKind::Equation(equation) => print_equation(printer, equation),
@@ -155,13 +157,14 @@ pub(super) fn print_claim(printer: &Printer<'_>, claim: &Claim) -> Doc {
     concat([word(claim.kind.keyword()), word(" "), condition, provided])
 }
 
-/// Prints `--%PROPERTY x;`, which ends with its line. Comments within it are moved before it.
+/// Prints a property in a comment, `--%PROPERTY x;`, which extends to the end of its line. Comments inside it are
+/// printed before it.
 fn property(printer: &Printer<'_>, claim: &Claim) -> Doc {
     let line = concat([print_claim(printer, claim), word(";")]);
     Doc::Flat(Box::new(line))
 }
 
-/// Prints the label and condition of a claim.
+/// Prints the optional label and the condition of a claim.
 pub(super) fn print_condition(printer: &Printer<'_>, claim: &Claim) -> Doc {
     match &claim.label {
         Some(label) => {
@@ -225,7 +228,8 @@ fn state_body(printer: &Printer<'_>, body: &Body) -> Doc {
     concat([Doc::HardLine, short_body(printer, body)])
 }
 
-/// Prints all strong or all weak transitions of a state as one clause.
+/// Prints transitions of one state as one clause. `head` is its keyword: `unless` for strong transitions, `until` for
+/// weak ones.
 // Several clauses and one clause with alternatives mean the same: the first transition that holds is taken.
 fn clause(printer: &Printer<'_>, head: &'static str, transitions: &[Transition]) -> Doc {
     if transitions.is_empty() {
@@ -256,10 +260,11 @@ fn print_transitions(printer: &Printer<'_>, transitions: &[Transition]) -> Doc {
     })
 }
 
-/// Maximum number of statements of a body on one line.
+/// Maximum number of statements that a body on one line may have.
 const MAX_ON_ONE_LINE: usize = 2;
 
-/// Prints `let ... tel` on one line if it fits. Each statement has a `Line` before it.
+/// Prints `let ... tel` on one line if it fits, else on several. Each document in `statements` begins with a
+/// [`Doc::Line`].
 pub(super) fn one_line_body(statements: Doc) -> Doc {
     group(concat([
         word("let"),
@@ -269,7 +274,7 @@ pub(super) fn one_line_body(statements: Doc) -> Doc {
     ]))
 }
 
-/// Prints indented lines between two keywords.
+/// Prints indented lines between the keywords `open` and `close`.
 pub(super) fn block(open: &'static str, lines: Doc, close: &'static str) -> Doc {
     match lines.is_empty() {
         true => concat([word(open), Doc::HardLine, word(close)]),
@@ -292,7 +297,8 @@ fn has_body(kind: &StatementKind) -> bool {
     )
 }
 
-/// Returns for each statement the longest keyword width among adjacent `finish`, `yield` and `fail` statements, or 0.
+/// Returns for each statement the width in characters of the longest keyword among adjacent `finish`, `yield` and
+/// `fail` statements; 0 for other statements.
 fn result_keyword_widths(statements: &[Statement]) -> Vec<usize> {
     let width = |statement: &Statement| match &statement.kind {
         StatementKind::CommandEnd(end) => end.kind.keyword().len(),
@@ -308,7 +314,7 @@ fn result_keyword_widths(statements: &[Statement]) -> Vec<usize> {
 }
 
 impl CommandEndKind {
-    /// Returns the keyword of the statement.
+    /// Returns the keyword that begins the statement.
     fn keyword(self) -> &'static str {
         match self {
             CommandEndKind::Finish => "finish",
@@ -319,7 +325,7 @@ impl CommandEndKind {
 }
 
 impl ClaimKind {
-    /// Returns the keyword of the claim.
+    /// Returns the keyword that begins the claim.
     fn keyword(self) -> &'static str {
         match self {
             ClaimKind::Assert => "assert",

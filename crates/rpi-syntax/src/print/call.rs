@@ -5,6 +5,7 @@ use super::expr;
 use super::layout::{Doc, concat, group, text, word};
 use super::list;
 use super::list::{PARENS, STATIC_ARGS};
+use super::parens;
 use super::ty;
 use crate::Dialect;
 use crate::ast::*;
@@ -66,7 +67,8 @@ pub(super) fn print_call(printer: &Printer<'_>, call: &Call) -> Doc {
     group(concat([head, print_args(printer, &call.args)]))
 }
 
-/// Returns whether a call is `any@<T>`, which Kind 2 writes without parentheses.
+/// Returns whether a call is a non-deterministic value `any@<T>` or `choose@<T>`, which Kind 2 writes without argument
+/// parentheses.
 fn is_of_types(printer: &Printer<'_>, call: &Call) -> bool {
     let is_type = |arg: &StaticArg| {
         arg.name.is_none() && matches!(arg.value, StaticValue::Type(_) | StaticValue::Expr(_))
@@ -87,7 +89,7 @@ pub(super) fn print_args(printer: &Printer<'_>, args: &[Arg]) -> Doc {
     })
 }
 
-/// Prints type arguments in a `.lus` file: `<int; real>`, after `open`.
+/// Prints type arguments in a `.lus` file, as in `f@<int; real>`. `open` is the opening text, such as `@<`.
 pub(super) fn type_args(printer: &Printer<'_>, open: &'static str, args: &[StaticArg]) -> Doc {
     let mut parts = Vec::new();
     for (i, arg) in args.iter().enumerate() {
@@ -110,7 +112,8 @@ pub(super) fn print_callee(printer: &Printer<'_>, callee: &Callee) -> Doc {
     concat([name, statics])
 }
 
-/// Returns whether a callee was written `f@<int>`, the only form that Kind 2 accepts for type arguments.
+/// Returns whether the source writes the static arguments as `f@<int>`, the only form that Kind 2 accepts, and not as
+/// `f<<int>>`.
 fn is_of_kind2(printer: &Printer<'_>, callee: &Callee) -> bool {
     let name = callee.name.span;
     let source = printer
@@ -138,6 +141,9 @@ pub(super) fn static_args(printer: &Printer<'_>, args: &[StaticArg]) -> Doc {
 
 fn static_value(printer: &Printer<'_>, value: &StaticValue, is_last: bool) -> Doc {
     match value {
+        StaticValue::Expr(expr) if parens::static_argument(expr) => {
+            concat([word("("), expr::print_expr(printer, expr), word(")")])
+        }
         StaticValue::Expr(expr) => expr::print_expr(printer, expr),
         StaticValue::Op(op) => static_op(*op, is_last),
         StaticValue::Callee(callee) if callee.statics.is_empty() => {
@@ -161,7 +167,7 @@ fn arg_span(arg: &Arg) -> Span {
     name.merge(arg.value.span)
 }
 
-/// Prints an operator as a static argument, with a space where it would merge with `>>`.
+/// Prints an operator as a static argument. The last argument gets a space after it where it would join with `>>`.
 fn static_op(op: StaticOp, is_last: bool) -> Doc {
     let spelling = match op {
         StaticOp::Unary(op) => op.spelling(),
@@ -172,7 +178,7 @@ fn static_op(op: StaticOp, is_last: bool) -> Doc {
     concat([word(spelling), word(if runs_in { " " } else { "" })])
 }
 
-/// Returns whether a type argument is written without the keyword `type`.
+/// Returns whether a type is written without the keyword `type` when it is a static argument.
 fn is_plain(ty: &Type) -> bool {
     match &ty.kind {
         TypeKind::Bool | TypeKind::Int | TypeKind::Real(None) => true,

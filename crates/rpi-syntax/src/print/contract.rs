@@ -10,7 +10,7 @@ use super::ty;
 use crate::ast::*;
 use rpi_diag::Span;
 
-/// Prints a contract as `con ... noc` on lines of its own, or nothing.
+/// Prints a contract as `con ... noc` on lines of its own; prints nothing for `None`.
 pub(super) fn print_contract(printer: &Printer<'_>, contract: Option<&Contract>) -> Doc {
     let Some(contract) = contract else {
         return empty();
@@ -25,7 +25,7 @@ pub(super) fn print_contract(printer: &Printer<'_>, contract: Option<&Contract>)
     ])
 }
 
-/// Prints the body of a `contract` declaration: `let ... tel`.
+/// Prints the body of a declaration with the keyword `contract`: `let ... tel`.
 pub(super) fn contract_alone(printer: &Printer<'_>, contract: Option<&Contract>) -> Doc {
     let parts = contract.map_or_else(empty, |contract| contract_parts(printer, contract));
     concat([
@@ -37,7 +37,8 @@ pub(super) fn contract_alone(printer: &Printer<'_>, contract: Option<&Contract>)
     ])
 }
 
-/// Prints the parts of a contract in source order, so that comments stay with them; without a source, by kind.
+/// Prints the clauses of a contract in the order of the source, so that comments stay with their clauses. For a tree
+/// without source, prints the clauses by kind.
 fn contract_parts(printer: &Printer<'_>, contract: &Contract) -> Doc {
     let mut parts: Vec<(Span, Doc)> = Vec::new();
     for locals in &contract.locals {
@@ -75,7 +76,7 @@ fn contract_parts(printer: &Printer<'_>, contract: &Contract) -> Doc {
     indent(concat([Doc::HardLine, lines]))
 }
 
-/// Prints several ghost variables with one value: `var x: int, y: bool = e;`.
+/// Prints several ghost variables that share one value: `var x: int, y: bool = e;`.
 fn print_together(printer: &Printer<'_>, together: &GhostTuple) -> Doc {
     let vars = together.vars.iter().enumerate().flat_map(|(i, var)| {
         let comma = word(if i == 0 { "" } else { ", " });
@@ -104,7 +105,8 @@ fn contract_import(printer: &Printer<'_>, import: &ContractImport) -> Doc {
     ])
 }
 
-/// Prints local declarations of a contract, each with its keyword: in a contract, a section has one declaration.
+/// Adds the documents of local declarations of a contract to `parts`, with their source ranges. Each declaration has
+/// its own keyword, as a contract has no sections.
 fn contract_locals(printer: &Printer<'_>, locals: &Locals, parts: &mut Vec<(Span, Doc)>) {
     let line = |head, doc| concat([word(head), doc, word(";")]);
     match locals {

@@ -14,7 +14,7 @@ use crate::Dialect;
 use crate::ast::*;
 use crate::string_literal::quote;
 
-/// Prints declarations one below the other. Those of several lines have empty lines around them.
+/// Prints declarations one below the other. A declaration of several lines has an empty line before and after it.
 pub(super) fn print_items(printer: &Printer<'_>, items: &[Item]) -> Doc {
     list::print_lines(
         printer,
@@ -77,7 +77,8 @@ fn type_def(printer: &Printer<'_>, def: &TypeDef) -> Doc {
     }
 }
 
-/// Prints name, static parameters and ports. The ports are on lines of their own if they do not fit.
+/// Prints the name, static parameters and ports of a declaration. The ports are on lines of their own if they do not
+/// fit on the line.
 pub(super) fn print_signature(printer: &Printer<'_>, signature: &Signature) -> Doc {
     let head = concat([
         ty::print_name(printer, &signature.name),
@@ -212,7 +213,7 @@ fn print_device(printer: &Printer<'_>, device: &DeviceDecl) -> Doc {
 }
 
 fn device_section(printer: &Printer<'_>, section: &DeviceSection) -> Doc {
-    /// Width of the longest keyword and a space.
+    /// Width in characters of the keyword column of a device's port sections: the longest keyword and a space.
     const COLUMN: usize = "actuator ".len();
     let word = section.kind.keyword();
     let ports = list::print_lines(
@@ -267,7 +268,7 @@ fn print_command(printer: &Printer<'_>, command: &CommandDecl) -> Doc {
     body::with_body(printer, head, &command.contract, &command.body)
 }
 
-/// Prints the parameters of a command or task, or nothing if there are none.
+/// Prints the parameters of a command or task in parentheses; prints nothing if there are none.
 pub(super) fn print_params(printer: &Printer<'_>, params: &[VarDecl]) -> Doc {
     match params {
         [] => empty(),
@@ -276,7 +277,7 @@ pub(super) fn print_params(printer: &Printer<'_>, params: &[VarDecl]) -> Doc {
 }
 
 impl NodeKind {
-    /// Returns the keyword of the declaration.
+    /// Returns the keyword that begins the declaration.
     pub(super) fn keyword(self) -> &'static str {
         match self {
             NodeKind::Node => "node",
@@ -287,7 +288,7 @@ impl NodeKind {
 }
 
 impl PortKind {
-    /// Returns the keyword before the ports.
+    /// Returns the keyword that begins a section of ports of this kind.
     fn keyword(self) -> &'static str {
         match self {
             PortKind::Actuator => "actuator",
@@ -297,7 +298,8 @@ impl PortKind {
     }
 }
 
-/// Returns whether all definitions are algebraic data types, declared with `datatype`.
+/// Returns whether all definitions are of algebraic data types, so that their section begins with `datatype` instead of
+/// `type`.
 fn is_datatype(defs: &[TypeDef]) -> bool {
     let is_data = |def: &TypeDef| {
         matches!(
@@ -309,7 +311,7 @@ fn is_datatype(defs: &[TypeDef]) -> bool {
 }
 
 impl Modifier {
-    /// Returns the keyword of the modifier.
+    /// Returns the keyword of the modifier; `None` for no modifier.
     pub(crate) fn keyword(self) -> Option<&'static str> {
         match self {
             Modifier::None => None,

@@ -77,7 +77,7 @@ fn print_is_a(printer: &Printer<'_>, of: &ConstructorTest) -> Doc {
     ])
 }
 
-/// Prints an expression, in parentheses if `needed`.
+/// Prints an expression, in parentheses if `needed` is true.
 pub(super) fn wrapped(printer: &Printer<'_>, expr: &Expr, needed: bool) -> Doc {
     match needed {
         true => paren(printer, expr),
@@ -171,7 +171,7 @@ fn unary(printer: &Printer<'_>, op: UnaryOp, operand: &Expr) -> Doc {
     ])
 }
 
-/// Prints an array of repeated elements: `x^3`.
+/// Prints an array that repeats one value: `x^3`.
 pub(crate) fn array_repeat(printer: &Printer<'_>, binary: &Binary) -> Doc {
     let element = wrapped(printer, &binary.lhs, parens::left(binary.op, &binary.lhs));
     let size = wrapped(printer, &binary.rhs, parens::right(binary.op, &binary.rhs));
@@ -283,7 +283,7 @@ fn field_value(printer: &Printer<'_>, field: &FieldValue) -> Doc {
     ])
 }
 
-/// Prints an update in the syntax of Kind 2: `a[0 := x; 1 := y]`.
+/// Prints an update of elements in the syntax of Kind 2: `a[0 := x; 1 := y]`.
 fn keyed_update(printer: &Printer<'_>, update: &Update) -> Doc {
     let base = print_base(printer, &update.base);
     let key = |change: &Change| match &change.path[..] {
@@ -340,7 +340,7 @@ pub(super) fn print_path(printer: &Printer<'_>, path: &[Access]) -> Doc {
     concat(steps.collect::<Vec<_>>())
 }
 
-/// Returns the text of a pattern: `B(x, C(y))`.
+/// Returns the text of a pattern of a `match` arm: `B(x, C(y))`.
 fn pattern(of: &Pattern) -> String {
     let parts: Vec<String> = of.parts.iter().map(pattern).collect();
     match &parts[..] {

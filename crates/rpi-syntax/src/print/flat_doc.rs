@@ -5,7 +5,7 @@ use crate::token::Token;
 use logos::Logos;
 use std::collections::BTreeMap;
 
-/// Node of a document that encloses other pieces, such as a group or an indentation.
+/// Node of a document that encloses other nodes. In a flattened document it becomes an opening and a closing piece.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub(super) enum Enclosure {
     Indent(usize),
@@ -14,14 +14,14 @@ pub(super) enum Enclosure {
     Group,
 }
 
-/// Piece of a document that has been flattened to a list.
+/// Piece of a document that has been flattened from a tree to a list.
 #[derive(Clone, Debug)]
 pub(super) enum DocPiece {
     Open(Enclosure),
     Close(Enclosure),
-    /// Piece with one token of the language.
+    /// One token of the language.
     Token(String),
-    /// Piece with white space or a comment.
+    /// White space or a comment.
     Text(String),
     Line,
     Soft,
@@ -41,12 +41,12 @@ impl DocPiece {
     }
 }
 
-/// Returns whether a token separates elements of a list, so that a line may break after it.
+/// Returns whether a token separates elements of a list (`,` or `;`). A line may break after it.
 pub(super) fn is_separator(token: &str) -> bool {
     matches!(token, "," | ";")
 }
 
-/// Flattens a document into pieces, without recursion.
+/// Returns the pieces of a document in text order. Works without recursion, as documents may be nested deeply.
 pub(super) fn flatten(doc: &Doc) -> Vec<DocPiece> {
     enum Todo<'d> {
         Doc(&'d Doc),
@@ -95,7 +95,7 @@ pub(super) fn flatten(doc: &Doc) -> Vec<DocPiece> {
     pieces
 }
 
-/// Appends the tokens of a text and the white space between them.
+/// Appends the tokens of a text, and the white space between them, to `pieces`.
 fn tokens(text: &str, pieces: &mut Vec<DocPiece>) {
     let mut done = 0;
     for (_, range) in Token::lexer(text).spanned() {
@@ -110,7 +110,8 @@ fn tokens(text: &str, pieces: &mut Vec<DocPiece>) {
     }
 }
 
-/// Rebuilds a document from pieces. `put` holds the pieces to insert before an index.
+/// Builds a document from pieces. `put` holds pieces to insert, by the index of the piece before which they are
+/// inserted.
 pub(super) fn rebuild(pieces: Vec<DocPiece>, mut put: BTreeMap<usize, Vec<DocPiece>>) -> Doc {
     let mut open: Vec<Vec<Doc>> = Vec::new();
     let mut parts = Vec::new();

@@ -4,7 +4,7 @@ use super::print;
 use crate::Dialect;
 use crate::ast::{Body, File, Item, ItemKind, NodeDef};
 
-/// Formats a declaration without its body, contract and documentation, without a line end at its end.
+/// Returns the text of a declaration without its body, contract and doc comments, and without a line break at its end.
 pub fn header(item: &Item, mode: Dialect) -> String {
     let mut item = Item {
         doc: None,
@@ -43,7 +43,7 @@ pub fn header(item: &Item, mode: Dialect) -> String {
         .to_owned()
 }
 
-/// Returns the text before the `let tel` of the empty body at its end.
+/// Returns the text before the empty body `let tel` at its end; the whole text if there is no such body.
 fn without_body(text: &str) -> &str {
     let trimmed = text.trim_end().trim_end_matches(['.', ';']);
     let Some(before_tel) = trimmed.strip_suffix("tel") else {

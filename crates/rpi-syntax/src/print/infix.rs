@@ -7,7 +7,8 @@ use crate::ast::*;
 use crate::ops::{Associativity, BinaryOp};
 use crate::print::expr;
 
-/// Prints a chain of operators of one precedence level, `a and b and c`. Lines break at all operators or at none.
+/// Prints a chain of operators of one precedence level: `a and b and c`. The line breaks before all operators or before
+/// none.
 pub(crate) fn chain(printer: &Printer<'_>, binary: &Binary) -> Doc {
     if binary.op == BinaryOp::Repeat {
         return expr::array_repeat(printer, binary);
@@ -22,7 +23,8 @@ pub(crate) fn chain(printer: &Printer<'_>, binary: &Binary) -> Doc {
     })
 }
 
-/// Prints `if a then x else if b then y else z`. Lines break at all branches or at none.
+/// Prints a chain of conditional expressions: `if a then x else if b then y else z`. The line breaks before all
+/// branches after the first, or before none.
 pub(crate) fn print_conditional(printer: &Printer<'_>, conditional: &IfExpr) -> Doc {
     let branches = branches(conditional);
     list::print_phrases(printer, &branches, |p, _, branch| match branch {
@@ -40,14 +42,15 @@ pub(crate) fn print_conditional(printer: &Printer<'_>, conditional: &IfExpr) -> 
     })
 }
 
-/// Operand in a chain of operators, with the operator before it.
+/// Operand in a chain of operators, with the operator before it (`None` for the first operand) and whether it needs
+/// parentheses.
 struct ChainOperand<'e> {
     op: Option<BinaryOp>,
     operand: &'e Expr,
     parens: bool,
 }
 
-/// Returns the operands of a chain of operators of one precedence level.
+/// Returns the operands, from left to right, of the chain of operators of one precedence level that begins at `binary`.
 fn links(binary: &Binary) -> Vec<ChainOperand<'_>> {
     match binary.op.associativity() {
         Associativity::Right => links_to_right(binary),
@@ -111,7 +114,7 @@ fn links_to_right(mut binary: &Binary) -> Vec<ChainOperand<'_>> {
     }
 }
 
-/// Branch in a chain of conditional expressions: `if c then x`, or the final `else y`.
+/// Branch in a chain of conditional expressions: `if c then x` or `else if c then x`, or the final `else y`.
 enum ConditionalBranch<'e> {
     If {
         head: &'static str,

@@ -13,7 +13,7 @@ use crate::comments::{Comment, CommentKind};
 use std::collections::BTreeMap;
 use std::ops::Range;
 
-/// Returns the document with the comments of the source.
+/// Returns the document with the comments of the source inserted.
 pub(super) fn insert_comments(doc: Doc, source: &Source<'_>) -> Doc {
     if source.comments.is_empty() {
         return doc;
@@ -34,10 +34,11 @@ pub(super) fn insert_comments(doc: Doc, source: &Source<'_>) -> Doc {
     rebuild(inserter.map.pieces, inserter.insertions)
 }
 
-/// Position in the document: indices of the words before and after it.
+/// Gap in the document: the indices of the words before and after it; `None` at the start or end of the document.
 type WordGap = (Option<usize>, Option<usize>);
 
-/// Groups the comments by their position in the document.
+/// Returns the comments in text order, grouped by the gap of the document into which they belong. `became` holds the
+/// index of the printed word for each source word.
 // Words between two comments may be omitted by the style, so comments from different gaps can meet in one position.
 fn group_by_gap<'a>(
     source: &Source<'a>,
@@ -62,7 +63,8 @@ fn group_by_gap<'a>(
         .collect()
 }
 
-/// Returns the words of the document. A word at the beginning of a part has its source token as anchor.
+/// Returns the words of the document. A word at the start of a node with a known source offset has the index of its
+/// source word.
 fn doc_words<'p>(map: &'p PieceMap, source: &Source<'_>) -> Vec<DocWord<'p>> {
     let pieces = &map.pieces;
     let mut from = 0;
@@ -83,16 +85,17 @@ fn doc_words<'p>(map: &'p PieceMap, source: &Source<'_>) -> Vec<DocWord<'p>> {
     map.words.iter().map(word).collect()
 }
 
-/// State of the insertion of comments.
+/// State of the insertion of comments into a flattened document.
 struct CommentInserter<'s> {
     source: &'s Source<'s>,
     map: PieceMap,
-    /// Pieces to insert before a piece, by its index.
+    /// Pieces to insert, by the index of the piece before which they are inserted.
     insertions: BTreeMap<usize, Vec<DocPiece>>,
 }
 
 impl CommentInserter<'_> {
-    /// Inserts the comments between two words.
+    /// Inserts the comments of one gap between the words with the indices `before` and `behind`; `None` at the start or
+    /// end of the document.
     fn insert_gap(
         &mut self,
         mut gap: GapComments<'_>,
@@ -126,7 +129,8 @@ impl CommentInserter<'_> {
         self.insert_before(self.map.flat_start(lead.range.end), ahead);
     }
 
-    /// Inserts comments between a word and its separator or closing bracket.
+    /// Inserts the comments between a word and the separator or closing bracket after it. `after` is the index of the
+    /// piece after the word.
     fn insert_before_separator(&mut self, gap: &mut GapComments<'_>, after: usize) {
         let breaks = !gap.trailing.is_empty() || !gap.own_line.is_empty();
         if self.map.ends_line(after) || breaks && self.map.after_separator(after) == after {
@@ -140,7 +144,8 @@ impl CommentInserter<'_> {
         self.insert_before(after, within);
     }
 
-    /// Inserts comments at the end of a line.
+    /// Inserts the comments of the gap that follow code on its line, as suffixes of the line. They are inserted before
+    /// piece `end`; `lead` are the pieces of the gap.
     fn insert_suffixes(&mut self, gap: &mut GapComments<'_>, end: usize, lead: &GapPieces) {
         if gap.trailing.is_empty() {
             return;
@@ -160,7 +165,7 @@ impl CommentInserter<'_> {
         }
     }
 
-    /// Inserts pieces before index `at`, after earlier insertions there.
+    /// Records pieces to insert before the piece at index `at`, after those already recorded there.
     fn insert_before(&mut self, at: usize, pieces: Vec<DocPiece>) {
         self.insertions.entry(at).or_default().extend(pieces);
     }
@@ -169,7 +174,8 @@ impl CommentInserter<'_> {
         DocPiece::Text(self.source.comment_text(comment))
     }
 
-    /// Returns the pieces of a comment within a line: after a token if `behind`, else before one.
+    /// Returns the pieces of a comment within a line, with the spaces around it. The comment belongs to the word before
+    /// it if `behind` is true, else to the word after it. `at` is the index of the piece after the comment.
     fn inline_pieces(&self, at: usize, comment: &Comment, behind: bool) -> Vec<DocPiece> {
         let touches = |piece: Option<&DocPiece>| match piece {
             Some(DocPiece::Token(text)) => !matches!(text.as_str(), "(" | "[" | "{" | "<<"),
@@ -190,7 +196,8 @@ impl CommentInserter<'_> {
         pieces
     }
 
-    /// Breaks the line after a comment at its end.
+    /// Inserts or forces a line break after a comment that ends its line. `between` are the pieces of the gap of the
+    /// comment.
     fn break_line(&mut self, between: &GapPieces, gap: &GapComments<'_>) {
         if between.range.end >= self.map.pieces.len() {
             return;
@@ -216,12 +223,14 @@ impl CommentInserter<'_> {
         ahead.unwrap_or(gap.next)
     }
 
-    /// Returns whether a comment is a doc comment that does not continue at offset `next`.
+    /// Returns whether the comment is documentation that neither the declaration nor the doc comment at source offset
+    /// `next` continues.
     fn ends_documentation(&self, comment: &Comment, next: u32) -> bool {
         comment.kind == CommentKind::Doc && !self.source.documents(comment.span.end, next)
     }
 
-    /// Inserts pieces before index `at` and indents them, with the frame that opens there, by one step.
+    /// Inserts pieces before the piece at index `at`, and indents them by one step together with the node of the
+    /// document that opens there.
     fn insert_indented(&mut self, at: usize, pieces: Vec<DocPiece>) {
         let hangs = self.map.is_hanging.get(at).copied().unwrap_or_default();
         let frame = Enclosure::Indent(if hangs { 2 * INDENT } else { INDENT });
@@ -244,8 +253,8 @@ impl CommentInserter<'_> {
         self.insert_before(end, vec![DocPiece::Close(frame)]);
     }
 
-    /// Writes the comments of a gap between two tokens that stand on lines of their own, with the blank lines around
-    /// them.
+    /// Inserts the comments of a gap that share their line with no code, with the empty lines around them. `first` is
+    /// true at the start of the document.
     fn insert_own_lines(&mut self, between: &GapPieces, gap: &GapComments<'_>, first: bool) {
         let GapPieces {
             range,
@@ -305,7 +314,8 @@ impl CommentInserter<'_> {
         }
     }
 
-    /// Returns whether an empty line precedes each comment, and the piece after the last comment.
+    /// Returns for each comment on its own line whether an empty line precedes it, and last, whether one follows the
+    /// last comment. `first` is true at the start of the document.
     fn blank_lines(&self, between: &GapPieces, gap: &GapComments<'_>, first: bool) -> Vec<bool> {
         let source = self.source;
         let pieces = &self.map.pieces[between.range.clone()];
@@ -338,7 +348,8 @@ impl CommentInserter<'_> {
     }
 }
 
-/// Returns comment lines for a position after a line break: each line is followed by a line break.
+/// Returns the pieces of comment lines for a position after a line break. Each line is a flag for an empty line before
+/// it and its comment; `last` asks for an empty line at the end.
 fn lines_after_break(lines: Vec<(bool, DocPiece)>, last: bool) -> Vec<DocPiece> {
     let mut pieces = Vec::new();
     for (blank, line) in lines {
@@ -349,7 +360,8 @@ fn lines_after_break(lines: Vec<(bool, DocPiece)>, last: bool) -> Vec<DocPiece> 
     pieces
 }
 
-/// Returns comment lines for a position before a line break: each line is preceded by a line break.
+/// Returns the pieces of comment lines for a position before a line break. Each line is a flag for an empty line before
+/// it and its comment.
 fn lines_before_break(lines: Vec<(bool, DocPiece)>) -> Vec<DocPiece> {
     let lines = lines.into_iter().flat_map(|(blank, line)| {
         let empty = blank.then_some(DocPiece::Empty);

@@ -6,42 +6,42 @@
 /// Maximum line width in characters. Single tokens and comments may exceed it.
 pub(super) const MAX_WIDTH: usize = 100;
 
-/// Maximum indentation in columns.
+/// Maximum indentation in columns. Deeper nodes are not indented further.
 // Without a limit, the text of a deeply nested program would grow with the square of its size.
 const MAX_INDENT: usize = 80;
 
-/// Document: text with alternative layouts, from which the printer chooses.
+/// Document: text with optional line breaks, among which the layout algorithm chooses.
 #[derive(Clone, Debug)]
 pub(super) enum Doc {
     /// Text of one or several tokens.
     Text(String),
     /// Static text of one or several tokens.
     Word(&'static str),
-    /// Line break in a broken group, else a space.
+    /// Line break if the enclosing group is broken, else a space.
     Line,
-    /// Line break in a broken group, else no text.
+    /// Line break if the enclosing group is broken, else no text.
     SoftLine,
-    /// Line break; breaks every enclosing group.
+    /// Line break in any case. All enclosing groups are broken.
     HardLine,
-    /// Empty line, at the beginning of a line; breaks every enclosing group.
+    /// Empty line, used at the beginning of a line. All enclosing groups are broken.
     EmptyLine,
-    /// Comment at the end of the current line; breaks every enclosing group.
+    /// Comment that is moved to the end of the current line. All enclosing groups are broken.
     LineSuffix(String),
     /// Documents one after the other.
     Concat(Vec<Doc>),
     /// Document whose lines are indented by a number of columns.
     Indent(usize, Box<Doc>),
-    /// Document in which lines after a comment are indented by one more step.
+    /// Document in which lines after a comment are indented by two steps instead of one.
     Hang(Box<Doc>),
-    /// Source offset of the following text.
+    /// Mark without text: source offset in bytes of the text that follows.
     SourceOffset(u32),
-    /// Document on one line, regardless of its width.
+    /// Document that is laid out on one line, regardless of its width.
     Flat(Box<Doc>),
-    /// Document on one line if it fits, else broken at each `Line` and `Soft` directly in it.
+    /// Document on one line if it fits. Otherwise the group is broken at each `Line` and `SoftLine` directly in it.
     Group(Box<Doc>),
 }
 
-/// Indentation of the content of blocks, in columns.
+/// Indentation of one nesting level, in columns.
 pub(super) const INDENT: usize = 2;
 
 pub(super) fn text(text: impl Into<String>) -> Doc {
@@ -69,7 +69,7 @@ pub(super) fn group(doc: Doc) -> Doc {
 }
 
 impl Doc {
-    /// Returns whether the document is empty.
+    /// Returns whether the document has no text.
     pub(super) fn is_empty(&self) -> bool {
         match self {
             Doc::Concat(parts) => parts.iter().all(Doc::is_empty),
@@ -82,7 +82,8 @@ impl Doc {
         }
     }
 
-    /// Returns the width of the document on one line; [`None`] if it has a line break or is wider than [`MAX_WIDTH`].
+    /// Returns the width in characters of the document on one line; [`None`] if it has a line break or is wider than
+    /// [`MAX_WIDTH`].
     pub(super) fn flat_width(&self) -> Option<usize> {
         let mut left = MAX_WIDTH;
         let mut todo = vec![self];
@@ -108,7 +109,7 @@ impl Doc {
     }
 }
 
-/// Lays out a document as text, with `\n` at the end of each line.
+/// Returns the text of a document, with `\n` at the end of each line.
 pub(super) fn lay_out(doc: &Doc) -> String {
     let mut layout = Layout::default();
     layout.run(doc);
@@ -125,7 +126,7 @@ pub(super) fn lay_out(doc: &Doc) -> String {
     out
 }
 
-/// Whether the optional line breaks of a group are used, or the group is on one line.
+/// Layout of a group: on one line, or with its optional line breaks.
 #[derive(Clone, Copy, PartialEq, Eq)]
 enum BreakMode {
     Flat,
@@ -138,16 +139,16 @@ struct Line {
     suffix: Option<String>,
 }
 
-/// State of the layout algorithm.
+/// State of the algorithm that lays out a document in lines.
 #[derive(Default)]
 struct Layout {
-    /// Finished lines.
+    /// Lines that are completely laid out.
     lines: Vec<Line>,
-    /// Current line.
+    /// Text of the line that is being laid out, without the comment at its end.
     line: String,
-    /// Comment at the end of the current line.
+    /// Comments at the end of the line that is being laid out; `None` if there are none.
     suffix: Option<String>,
-    /// Whether the last comment of `suffix` is a line comment.
+    /// Whether the last comment in `suffix` extends to the end of its line, so that no further comment can follow.
     suffix_takes_line: bool,
     /// Number of characters in `line`.
     column: usize,
@@ -186,6 +187,7 @@ impl Layout {
     }
 
     /// Returns whether a group on one line, with the text after it up to the next line break, fits into the line.
+    /// `margin` is its indentation; `rest` holds the following nodes, the next one last.
     fn fits(&self, margin: usize, group: &Doc, rest: &[(usize, BreakMode, &Doc)]) -> bool {
         let used = if self.line.is_empty() {
             margin
@@ -276,12 +278,12 @@ impl Layout {
     }
 }
 
-/// Returns whether a comment is a line comment, which extends to the end of its line.
+/// Returns whether a comment extends to the end of its line, as comments with `--` do.
 fn ends_with_line(comment: &str) -> bool {
     comment.starts_with("--") || comment.starts_with("//")
 }
 
-/// Aligns the suffixes of adjacent lines in one column, two columns after the longest line.
+/// Moves the comments at the ends of adjacent lines to one column, two columns after the longest line.
 fn align_suffixes(lines: &mut [Line]) {
     for run in lines.chunk_by_mut(|a, b| a.suffix.is_some() && b.suffix.is_some()) {
         let longest = run.iter().map(|line| line.code.chars().count()).max();

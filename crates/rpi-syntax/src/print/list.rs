@@ -5,13 +5,13 @@ use super::layout::{Doc, concat, empty, group, indent, text, word};
 use crate::ast;
 use rpi_diag::Span;
 
-/// Delimiters of a list in brackets.
+/// Brackets and separator of a list.
 #[derive(Clone, Copy)]
 pub(super) struct Delimiters {
     pub(super) open: &'static str,
     pub(super) separator: &'static str,
     pub(super) close: &'static str,
-    /// Whether there are spaces inside the brackets on one line: `{ a, b }`.
+    /// Whether a list on one line has spaces inside its brackets: `{ a, b }`.
     pub(super) spaced: bool,
 }
 
@@ -47,7 +47,8 @@ const fn spaced(separator: &'static str) -> Delimiters {
     }
 }
 
-/// Prints a list in brackets on one line, `(a, b)`, or with one element per line.
+/// Prints a list in brackets on one line, `(a, b)`, or with one element per line if it does not fit. `write` prints an
+/// element.
 pub(super) fn print_list<T>(
     printer: &Printer<'_>,
     brackets: Delimiters,
@@ -73,7 +74,8 @@ pub(super) fn print_list<T>(
     bracketed(brackets, concat(parts), edge())
 }
 
-/// Prints phrases, such as the operands of a chain, on one line, or with one phrase per line if they do not fit.
+/// Prints parts of an expression, such as the operands of a chain, on one line, or one per line if they do not fit.
+/// `write` prints the part with the given index.
 pub(super) fn print_phrases<T>(
     printer: &Printer<'_>,
     elements: &[T],
@@ -88,7 +90,7 @@ pub(super) fn print_phrases<T>(
     }
 }
 
-/// Returns the phrases as documents, each after the first with a `Line` before it.
+/// Returns the document of each element, printed by `write`; all but the first begin with a [`Doc::Line`].
 pub(super) fn print_phrase_parts<T>(
     printer: &Printer<'_>,
     elements: &[T],
@@ -104,8 +106,8 @@ pub(super) fn print_phrase_parts<T>(
 
 /// Prints the lines of a block, one below the other.
 ///
-/// Of consecutive empty lines in the source, one is kept. Elements that `write` marks with `true` have an empty
-/// line before and after them.
+/// An empty line in the source is preserved; several become one. An element for which `write` returns true has an empty
+/// line before and after it.
 pub(super) fn print_lines<T>(
     printer: &Printer<'_>,
     elements: &[T],
@@ -125,7 +127,8 @@ pub(super) fn print_lines<T>(
     concat(parts)
 }
 
-/// Prints the doc comment of a tree without source. With a source, comments are inserted later.
+/// Prints the doc comment of a tree that has no source text; prints nothing otherwise, as comments of the source are
+/// inserted later.
 pub(super) fn doc_lines(printer: &Printer<'_>, doc: Option<&ast::Doc>) -> Doc {
     let Some(doc) = doc.filter(|_| printer.source.is_none()) else {
         return empty();
@@ -137,7 +140,8 @@ pub(super) fn doc_lines(printer: &Printer<'_>, doc: Option<&ast::Doc>) -> Doc {
     concat(doc.split('\n').flat_map(|l| [line(l), Doc::HardLine]))
 }
 
-/// Prints content between brackets, indented if it breaks. `edge` precedes the closing bracket.
+/// Prints content between brackets; content of several lines is indented. `edge` is the optional line break before the
+/// closing bracket.
 fn bracketed(brackets: Delimiters, content: Doc, edge: Doc) -> Doc {
     let open = word(brackets.open);
     let close = word(brackets.close);

@@ -39,16 +39,16 @@ use trivia::Source;
 
 pub use header::header;
 
-/// Prints a tree without source text, in the style of the language. Doc comments of the tree are kept.
+/// Returns the text of a tree without source text, in the standard format. Doc comments in the tree are printed.
 ///
-/// Parsing the result gives the same tree, except for parentheses and locations, if every name in it is valid: see
+/// Parsing the text gives the same tree, except for parentheses and locations, if every name in it is valid: see
 /// [`is_name`](crate::is_name).
 pub fn print(file: &File, mode: Dialect) -> String {
     let printer = Printer { mode, source: None };
     with_large_stack(|| layout_text(&decl::print_items(&printer, &file.items)))
 }
 
-/// Formats a source text. A text with errors is not formatted: its errors are returned instead.
+/// Returns a source text in the standard format. Returns the errors instead if the text has any.
 ///
 /// The result has the same tree and the same comments, and formatting it again changes nothing. Its line ends are those
 /// of most lines of the text (`\n` or `\r\n`).
@@ -66,10 +66,10 @@ pub fn format(text: &str, mode: Dialect) -> Result<String, Vec<Diagnostic>> {
     }
 }
 
-/// Line end of Windows.
+/// End of a line in files from Windows.
 const CRLF: &str = "\r\n";
 
-/// Formats a text without regard to `\r\n`.
+/// Formats a text whose line ends are `\n`. Returns the errors instead if the text has any.
 fn format_lines(text: &str, mode: Dialect) -> Result<String, Vec<Diagnostic>> {
     let (parsed, tokens) = parse_with_tokens(FileId(0), text, mode);
     let is_error = |diagnostic: &Diagnostic| diagnostic.severity() == Severity::Error;
@@ -95,15 +95,16 @@ fn layout_text(doc: &Doc) -> String {
     }
 }
 
-/// Builder of documents from nodes of the tree.
+/// Converter of syntax trees into documents for the layout.
 struct Printer<'a> {
     mode: Dialect,
-    /// Source text of the tree, if there is one. Its comments and empty lines are kept.
+    /// Source text of the tree, whose comments and empty lines are preserved; `None` for a generated tree.
     source: Option<&'a Source<'a>>,
 }
 
 impl Printer<'_> {
-    /// Returns whether an empty line precedes the source text at `span`.
+    /// Returns whether an empty line precedes the source text at `span`. Comments at the end of the text before it are
+    /// ignored.
     fn blank_before(&self, span: Span) -> bool {
         let before = self
             .source
@@ -114,7 +115,7 @@ impl Printer<'_> {
         gap.bytes().filter(|b| *b == b'\n').count() > 1
     }
 
-    /// Returns a prefix of the source without the comments at its end that are on its last line.
+    /// Returns `text`, which is a start of the source, without the comments at the end of its last line.
     fn without_trailing_comments<'t>(&self, mut text: &'t str) -> &'t str {
         let comments = self.source.map_or(&[][..], |source| source.comments);
         loop {
@@ -129,7 +130,7 @@ impl Printer<'_> {
         }
     }
 
-    /// Extends `span` to the keyword before it, which has no span in the tree.
+    /// Extends `span` to the start of the token before it: a keyword that the tree does not store.
     fn with_keyword(&self, span: Span) -> Span {
         let before = self.source.filter(|_| !span.is_none());
         let before = before.and_then(|source| source.token_before(span.start));
@@ -139,7 +140,8 @@ impl Printer<'_> {
         })
     }
 
-    /// Marks a document with its source offset, `span.start`, if the source has comments to align.
+    /// Returns the document with a mark of its source offset, the start of `span`. The mark is left out if the source
+    /// has no comments to align.
     fn mark_offset(&self, span: Span, doc: Doc) -> Doc {
         match self.source {
             Some(source) if !span.is_none() && !source.comments.is_empty() => {

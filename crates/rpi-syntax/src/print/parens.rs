@@ -6,7 +6,7 @@ use crate::ops::{
     UnaryOp,
 };
 
-/// Returns the precedence level of the outermost operator of an expression.
+/// Returns the precedence level of the outermost operator of an expression; the highest level if there is no operator.
 pub(super) fn level(expr: &Expr) -> Precedence {
     match &expr.kind {
         ExprKind::If(_) | ExprKind::Quantified(_) => PRECEDENCE_IF,
@@ -23,7 +23,7 @@ pub(super) fn left(op: BinaryOp, lhs: &Expr) -> bool {
     before(op.precedence(), groups_left, lhs)
 }
 
-/// Returns whether an expression needs parentheses as the sampled value, left of `when`.
+/// Returns whether an expression needs parentheses on the left of the sampling operator `when`.
 pub(super) fn sampled(value: &Expr) -> bool {
     before(PRECEDENCE_WHEN, true, value)
 }
@@ -37,7 +37,7 @@ pub(super) fn right(op: BinaryOp, rhs: &Expr) -> bool {
     level(rhs) < op.precedence() || level(rhs) == op.precedence() && !groups_right
 }
 
-/// Returns whether an expression needs parentheses as the operand of a unary operator.
+/// Returns whether an expression needs parentheses as the operand of the unary operator `op`.
 pub(super) fn operand(op: UnaryOp, operand: &Expr) -> bool {
     let looks_else = match op {
         // `--` would begin a comment.
@@ -49,7 +49,7 @@ pub(super) fn operand(op: UnaryOp, operand: &Expr) -> bool {
     looks_else || !is_prefix(operand) && level(operand) < op.precedence()
 }
 
-/// Returns whether an expression needs parentheses before `.f` or `[i]`.
+/// Returns whether an expression needs parentheses before a field access `.f` or an index `[i]`.
 pub(super) fn base(base: &Expr) -> bool {
     use ExprKind::{Bool, Merge, Number, Quantity, Str};
     let literal = matches!(
@@ -59,20 +59,21 @@ pub(super) fn base(base: &Expr) -> bool {
     literal || level(base) < PRECEDENCE_PRIMARY
 }
 
-/// Returns whether an expression before an operator of this precedence level needs parentheses.
+/// Returns whether an expression needs parentheses before an operator of the precedence level `op`. `groups_left` is
+/// true if that operator is left-associative.
 fn before(op: Precedence, groups_left: bool, expr: &Expr) -> bool {
     let weaker = !is_prefix(expr) && (level(expr) < op || level(expr) == op && !groups_left);
     weaker || trailing_level(expr) <= op
 }
 
-/// Returns whether the root of an expression is a prefix operator or an `if`.
+/// Returns whether the outermost operator of an expression is a prefix: a unary operator or an `if`.
 fn is_prefix(expr: &Expr) -> bool {
     matches!(expr.kind, ExprKind::Unary(..) | ExprKind::If(_))
 }
 
-/// Returns the lowest precedence level of an operator whose last operand ends with the expression.
+/// Returns the lowest precedence level among the operators whose last operand ends where the expression ends.
 ///
-/// Such an operand would also absorb a following operator of higher precedence.
+/// The last operand of such an operator would also absorb a following operator of higher precedence.
 fn trailing_level(expr: &Expr) -> Precedence {
     match &expr.kind {
         ExprKind::If(_) => PRECEDENCE_IF,
@@ -100,12 +101,23 @@ fn begins_with_bracket(expr: &Expr) -> bool {
     }
 }
 
-/// Returns whether the expression begins with a string literal, which would be a label after `assert`.
+/// Returns whether the printed expression begins with a string literal, which would be read as a label after `assert`.
 pub(super) fn begins_with_text(expr: &Expr) -> bool {
     matches!(first(expr).kind, ExprKind::Str(_))
 }
 
-/// Returns the subexpression with the first token of the printed expression.
+/// Returns whether a static argument needs parentheses. Without them, `real [x]` at its start would be read as a type
+/// with a unit.
+pub(super) fn static_argument(value: &Expr) -> bool {
+    match &first(value).kind {
+        ExprKind::Unary(UnaryOp::ToReal, converted) => {
+            !operand(UnaryOp::ToReal, converted) && begins_with_bracket(first(converted))
+        }
+        _ => false,
+    }
+}
+
+/// Returns the subexpression with which the printed text of an expression begins.
 fn first(expr: &Expr) -> &Expr {
     match &expr.kind {
         ExprKind::Binary(binary) if !left(binary.op, &binary.lhs) => first(&binary.lhs),

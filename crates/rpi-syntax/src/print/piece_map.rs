@@ -4,24 +4,25 @@ use super::flat_doc::{DocPiece, Enclosure};
 use super::trivia::is_closer;
 use std::ops::Range;
 
-/// Pieces of a flattened document, with an index of the words and enclosures in them.
+/// Pieces of a flattened document, with indices for the insertion of comments. A word is a token other than `,` and
+/// `;`.
 pub(super) struct PieceMap {
     pub(super) pieces: Vec<DocPiece>,
     /// Indices of the pieces that are words.
     pub(super) words: Vec<usize>,
-    /// For each piece, whether its innermost indenting frame is [`Enclosure::Hang`].
+    /// For each piece, whether its innermost indentation is [`Enclosure::Hang`].
     pub(super) is_hanging: Vec<bool>,
-    /// Ranges of pieces that are always on one line.
+    /// Ranges of pieces that are always printed on one line, in ascending order.
     flat_ranges: Vec<Range<usize>>,
-    /// For each piece, the index after its closing piece.
+    /// For each piece, the index after its closing piece; its own index if it opens nothing.
     pub(super) closing_ends: Vec<usize>,
 }
 
-/// Pieces between two words of the document.
+/// Pieces between two adjacent words of the document.
 pub(super) struct GapPieces {
-    /// Range from the first word, or the separator after it, to the second word.
+    /// Range of piece indices from the first word, or the separator after it, to the second word.
     pub(super) range: Range<usize>,
-    /// Index of the first line break in the range.
+    /// Index of the first line break in the range; `None` if there is none.
     pub(super) line_break: Option<usize>,
     /// Whether the second word closes a bracket or block.
     pub(super) closes: bool,
@@ -40,7 +41,7 @@ impl PieceMap {
         }
     }
 
-    /// Returns the start of the flat range that begins with this word, else the word's own index.
+    /// Returns the start of the one-line range whose first word is at piece `word`; `word` itself if there is none.
     // Other comments of the flat range are also inserted there, after this one.
     pub(super) fn flat_start(&self, word: usize) -> usize {
         let next = self.flat_ranges.partition_point(|flat| flat.end < word);
@@ -52,14 +53,14 @@ impl PieceMap {
         around.filter(is_first).map_or(word, |flat| flat.start)
     }
 
-    /// Returns whether a line break is possible before the next token.
+    /// Returns whether a line break is possible between the piece at index `after` and the next token.
     pub(super) fn ends_line(&self, after: usize) -> bool {
         let mut rest = self.pieces[after..].iter();
         let next = rest.find(|p| p.is_break() || matches!(p, DocPiece::Token(_)));
         next.is_none_or(DocPiece::is_break)
     }
 
-    /// Returns the index after the separators that directly follow, or `after`.
+    /// Returns the index after the separators at piece `after`; `after` itself if there are none.
     pub(super) fn after_separator(&self, after: usize) -> usize {
         let mut end = after;
         for (i, piece) in self.pieces.iter().enumerate().skip(after) {
@@ -72,7 +73,8 @@ impl PieceMap {
         end
     }
 
-    /// Returns the index after the frames that close at `after`, so that a comment there does not break them.
+    /// Returns the index after the groups that close at piece `after`. A comment at that index does not break their
+    /// lines.
     pub(super) fn after_closing(&self, after: usize) -> usize {
         let indents = |piece: &&DocPiece| matches!(piece, DocPiece::Close(Enclosure::Indent(_)));
         let ends = |p: &&DocPiece| {
@@ -85,7 +87,8 @@ impl PieceMap {
         last.map_or(after, |last| last + 1)
     }
 
-    /// Returns the index before the frames that open at the end of a range, so that a line break does not break them.
+    /// Returns the index before the groups that open at the end of the range. A line break at that index does not break
+    /// their lines.
     pub(super) fn before_opening(&self, range: &Range<usize>) -> usize {
         let begins =
             |piece: &&DocPiece| matches!(piece, DocPiece::Open(_) | DocPiece::SourceOffset(_));
@@ -93,7 +96,8 @@ impl PieceMap {
         range.end - begun.count()
     }
 
-    /// Returns the pieces before a word, or after the last word.
+    /// Returns the pieces between the word with the index `word` and the word before it; for `None`, the pieces after
+    /// the last word.
     pub(super) fn gap_pieces(&self, word: Option<usize>) -> GapPieces {
         let count = self.words.len();
         let word = word.unwrap_or(count);
@@ -110,21 +114,22 @@ impl PieceMap {
         }
     }
 
-    /// Returns whether a word closes a bracket or block.
+    /// Returns whether the word with the index `word` closes a bracket or block; false for `None`.
     pub(super) fn closes(&self, word: Option<usize>) -> bool {
         let at = word.and_then(|word| self.words.get(word));
         let piece = at.and_then(|at| self.pieces.get(*at));
         matches!(piece, Some(DocPiece::Token(text)) if is_closer(text))
     }
 
-    /// Returns the start of the flat range that contains both positions.
+    /// Returns the start of the one-line range that contains both piece indices; `None` if there is none.
     pub(super) fn flat_around(&self, from: usize, to: usize) -> Option<usize> {
         let next = self.flat_ranges.partition_point(|flat| flat.end < to);
         let flat = self.flat_ranges.get(next)?;
         (flat.start < from).then_some(flat.start)
     }
 
-    /// Returns the end of the flat range that contains `from` but not `to`, else `from`.
+    /// Returns the end of the innermost range of pieces to be printed on one line that contains the piece with index
+    /// `from` but not the one with index `to`; `from` itself if there is none.
     // No comment may end a line within a flat range.
     pub(super) fn flat_end(&self, from: usize, to: usize) -> usize {
         let next = self.flat_ranges.partition_point(|flat| flat.end < from);
@@ -133,18 +138,19 @@ impl PieceMap {
         around.map_or(from, |flat| flat.end)
     }
 
-    /// Returns the index of the piece that ends the indentation of a block, before its closing keyword.
+    /// Returns the index of the last piece in the range that closes an indentation, as the piece before the closing
+    /// keyword of a block does; `None` if there is none.
     pub(super) fn block_end(&self, mut range: Range<usize>) -> Option<usize> {
         range.rfind(|i| matches!(self.pieces[*i], DocPiece::Close(Enclosure::Indent(_))))
     }
 }
 
-/// Returns whether a piece is a word: a token that is not a separator.
+/// Returns whether a piece is a word: a token other than `,` and `;`.
 fn is_word(piece: &DocPiece) -> bool {
     matches!(piece, DocPiece::Token(_)) && !piece.is_separator()
 }
 
-/// Returns for each piece whether its innermost indenting frame is [`Enclosure::Hang`].
+/// Returns for each piece whether its innermost indentation is [`Enclosure::Hang`].
 fn hanging_pieces(pieces: &[DocPiece]) -> Vec<bool> {
     let mut open = vec![false];
     let hang = |piece: &DocPiece| {
@@ -173,7 +179,7 @@ fn closing_ends(pieces: &[DocPiece]) -> Vec<usize> {
     ends
 }
 
-/// Returns the piece ranges that are always printed on one line.
+/// Returns the ranges of pieces that are always printed on one line.
 fn flat_ranges(pieces: &[DocPiece]) -> Vec<Range<usize>> {
     let mut flats: Vec<Range<usize>> = Vec::new();
     for (i, piece) in pieces.iter().enumerate() {

@@ -10,12 +10,12 @@ use super::list;
 use super::ty;
 use crate::ast::*;
 
-/// Widths of the columns in which adjacent steps of a task are aligned.
+/// Widths of the columns in which labels, calls and branches of adjacent steps of a task are aligned.
 #[derive(Clone, Copy, Default)]
 struct Columns {
-    /// Width of the labels, with `:` and a space.
+    /// Width in characters of the widest label, with `:` and a space. The calls of all steps begin after it.
     label: usize,
-    /// Width of the calls; 0 if the branches after them are not aligned.
+    /// Width in characters of the widest call, after which the branches begin; 0 if they are not aligned.
     call: usize,
 }
 
@@ -61,7 +61,7 @@ fn print_step(printer: &Printer<'_>, kind: &StepKind, columns: Columns) -> Doc {
     }
 }
 
-/// Prints `repeat` with its body, on one line if it is short enough.
+/// Prints a repetition, whose header is `head`, with its steps on one line if they are few and simple.
 fn repeat(printer: &Printer<'_>, head: Doc, steps: &[Step]) -> Doc {
     let simple = |step: &Step| matches!(step.kind, StepKind::Run(_)) && step.doc.is_none();
     if steps.len() > 2 || !steps.iter().all(simple) {
@@ -78,7 +78,7 @@ fn repeat(printer: &Printer<'_>, head: Doc, steps: &[Step]) -> Doc {
     group(concat([head, Doc::Line, body]))
 }
 
-/// Prints `parallel` with one block below the other.
+/// Prints `parallel` with the bodies of its branches one below the other.
 fn parallel(printer: &Printer<'_>, strands: &[ParallelBranch]) -> Doc {
     let mut parts = vec![word("parallel")];
     for strand in strands {
@@ -130,7 +130,7 @@ fn print_branches(printer: &Printer<'_>, branches: &[Branch]) -> Doc {
     concat(branches)
 }
 
-/// Returns the columns of each step. Adjacent steps with labels share their columns.
+/// Returns the columns of each step. Adjacent steps with labels have the same columns.
 fn print_columns(printer: &Printer<'_>, steps: &[Step]) -> Vec<Columns> {
     let labelled = |step: &Step| matches!(&step.kind, StepKind::Run(run) if run.label.is_some());
     let runs = steps.chunk_by(|a, b| labelled(a) && labelled(b));
@@ -155,7 +155,8 @@ fn shared_columns(printer: &Printer<'_>, steps: &[Step]) -> Columns {
     }
 }
 
-/// Returns the width of a call, if its branches fit on the same line.
+/// Returns the width in characters of a call if the step with its label (`label` characters) and branches fits on one
+/// line; `None` otherwise.
 fn width_in_column(printer: &Printer<'_>, run: &Run, label: usize) -> Option<usize> {
     if run.branches.is_empty() {
         return None;
@@ -169,7 +170,7 @@ fn width_in_column(printer: &Printer<'_>, run: &Run, label: usize) -> Option<usi
     (label + call + branches <= MAX_STEP_WIDTH).then_some(call)
 }
 
-/// Maximum width of a step on one line. The rest of the line is left for indentation.
+/// Maximum width in characters of a step on one line. The rest of the line is left for indentation.
 const MAX_STEP_WIDTH: usize = super::layout::MAX_WIDTH - 10;
 
 fn on_result(result: &ResultPattern) -> &str {

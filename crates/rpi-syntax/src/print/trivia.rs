@@ -5,27 +5,27 @@ use crate::comments::{Comment, CommentKind};
 use crate::lexer::Lexeme;
 use rpi_diag::Span;
 
-/// Tokens of a source text and the comments between them.
+/// Source text with its tokens and comments. A word is a token other than `,` and `;`.
 pub(super) struct Source<'a> {
     pub(super) text: &'a str,
     pub(super) comments: &'a [Comment],
-    /// Spans of all tokens with text.
+    /// Spans of all tokens that are not empty.
     tokens: Vec<Span>,
-    /// Indices of the tokens that are not separators.
+    /// Indices into `tokens` of the words.
     significant: Vec<usize>,
 }
 
-/// Comments between two tokens, sorted by their position.
+/// Comments between two words of the source, by their position relative to the words and line breaks.
 pub(super) struct GapComments<'a> {
-    /// Source offset of the next token that is not a separator.
+    /// Source offset in bytes of the word after the comments.
     pub(super) next: u32,
-    /// Comments at the end of the line of the previous token.
+    /// Comments after the previous word on its line.
     pub(super) trailing: Vec<&'a Comment>,
-    /// Comment before a separator or closing bracket, on the line of both tokens.
+    /// Comments between the previous word and a separator or closing bracket on the same line.
     pub(super) before_separator: Vec<&'a Comment>,
     /// Comments that share their line with no code.
     pub(super) own_line: Vec<&'a Comment>,
-    /// Comments on the line of the next token, before it.
+    /// Comments before the next word on its line.
     pub(super) leading: Vec<&'a Comment>,
 }
 
@@ -51,47 +51,49 @@ impl<'a> Source<'a> {
         }
     }
 
-    /// Returns the texts of the tokens that are not separators (called words).
+    /// Returns the texts of the words, which are the tokens other than `,` and `;`.
     pub(super) fn significant_texts(&self) -> Vec<&'a str> {
         let words = self.significant.iter();
         words.map(|i| slice(self.text, self.tokens[*i])).collect()
     }
 
-    /// Returns the index of the first word that begins at or after `offset`.
+    /// Returns the index of the first word that begins at or after the byte offset `offset`.
     pub(super) fn word_at(&self, offset: u32) -> usize {
         self.significant
             .partition_point(|i| self.tokens[*i].start < offset)
     }
 
-    /// Returns the source offset of a word, or the length of the source after the last one.
+    /// Returns the byte offset of the word with the index `word`; the length of the source for an index past the last
+    /// one.
     fn start_of(&self, word: usize) -> u32 {
         let token = self.significant.get(word).map(|i| self.tokens[*i]);
         token.map_or(self.text.len() as u32, |token| token.start)
     }
 
-    /// Returns whether the source has an empty line between two offsets.
+    /// Returns whether the source has an empty line between two byte offsets.
     pub(super) fn has_blank_line(&self, from: u32, to: u32) -> bool {
         self.line_ends(from, to) > 1
     }
 
-    /// Returns whether a doc comment that ends at `from` belongs to the declaration or doc comment at `to`.
+    /// Returns whether a doc comment that ends at byte offset `from` belongs to the declaration or doc comment at `to`:
+    /// at most one line break lies between them.
     pub(super) fn documents(&self, from: u32, to: u32) -> bool {
         let gap = self.text.get(from as usize..to as usize).unwrap_or("");
         gap.trim().is_empty() && self.line_ends(from, to) <= 1
     }
 
-    /// Returns the end of the last token before `offset`, or 0.
+    /// Returns the end of the last token that begins before the byte offset `offset`; 0 if there is none.
     fn end_before(&self, offset: u32) -> u32 {
         self.token_before(offset).map_or(0, |token| token.end)
     }
 
-    /// Returns the last token that begins before `offset`.
+    /// Returns the span of the last token that begins before the byte offset `offset`.
     pub(super) fn token_before(&self, offset: u32) -> Option<Span> {
         let before = self.tokens.partition_point(|token| token.start < offset);
         before.checked_sub(1).map(|i| self.tokens[i])
     }
 
-    /// Returns the text of the first token at or after `offset`.
+    /// Returns the text of the first token at or after the byte offset `offset`; empty if there is none.
     pub(super) fn token_from(&self, offset: u32) -> &str {
         let at = self.tokens.partition_point(|token| token.start < offset);
         let token = self.tokens.get(at);
@@ -103,7 +105,8 @@ impl<'a> Source<'a> {
         gap.bytes().filter(|b| *b == b'\n').count()
     }
 
-    /// Classifies the comments between two tokens. `closes`: the second token closes a bracket or block.
+    /// Classifies the comments `all` between two words by their position. `closes` is true if the second word closes a
+    /// bracket or block.
     pub(super) fn classify(&self, all: &'a [Comment], closes: bool) -> GapComments<'a> {
         let word = |c: Option<&Comment>| c.map_or(0, |c| self.word_at(c.span.start));
         let (mut behind, mut within, mut own) = (Vec::new(), Vec::new(), Vec::new());
@@ -129,7 +132,7 @@ impl<'a> Source<'a> {
         }
     }
 
-    /// Returns the end of the token or comment before a comment.
+    /// Returns the byte offset of the end of the token or comment before `comment`.
     pub(super) fn previous_end(&self, comment: &Comment) -> u32 {
         let at = self
             .comments
@@ -138,7 +141,7 @@ impl<'a> Source<'a> {
         previous.max(self.end_before(comment.span.start))
     }
 
-    /// Returns the first token after a comment; `None` at the end.
+    /// Returns the span of the first token after a comment; `None` at the end of the source.
     fn next(&self, comment: &Comment) -> Option<Span> {
         let at = self
             .tokens
@@ -146,27 +149,28 @@ impl<'a> Source<'a> {
         self.tokens.get(at).copied()
     }
 
-    /// Returns whether a comment is on the line of the next token and that token is not a separator.
+    /// Returns whether a comment is a block comment on the line of the next token, and that token is neither `,` nor
+    /// `;`.
     fn is_leading(&self, comment: &Comment) -> bool {
         let next = self.next(comment);
         self.is_within(comment) && next.is_some_and(|next| !is_separator(slice(self.text, next)))
     }
 
-    /// Returns whether a block comment is on the line of the next token.
+    /// Returns whether a comment is a block comment on one line, which is also the line of the next token.
     fn is_within(&self, comment: &Comment) -> bool {
         let next = self.next(comment);
         self.is_short(comment)
             && next.is_some_and(|next| self.line_ends(comment.span.end, next.start) == 0)
     }
 
-    /// Returns whether a doc comment belongs to the token on the next line.
+    /// Returns whether a comment is a doc comment that belongs to the token on the next line.
     fn documents_next(&self, comment: &Comment) -> bool {
         let next = self.next(comment).map(|next| next.start);
         comment.kind == CommentKind::Doc
             && next.is_some_and(|next| self.documents(comment.span.end, next))
     }
 
-    /// Returns whether a comment is a block comment on one line.
+    /// Returns whether a comment is a block comment without a line break.
     fn is_short(&self, comment: &Comment) -> bool {
         comment.kind == CommentKind::Block && !slice(self.text, comment.span).contains('\n')
     }

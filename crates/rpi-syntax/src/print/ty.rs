@@ -69,7 +69,7 @@ pub(super) fn print_ty(printer: &Printer<'_>, ty: &Type) -> Doc {
     }
 }
 
-/// Prints a refinement type: `{ x: int | x > 0 }`.
+/// Prints the part of a refinement type in braces: `{ x: int | x > 0 }`.
 pub(super) fn print_refined(printer: &Printer<'_>, refined: &RefinementType) -> Doc {
     let name = print_name(printer, &refined.name);
     let (base, condition) = (
@@ -104,7 +104,7 @@ fn named_type(printer: &Printer<'_>, named: &NamedType) -> Doc {
     concat([head, word("("), frames, word(")")])
 }
 
-/// Prints the size of an array, in parentheses unless it is plain arithmetic.
+/// Prints the size in an array type, in parentheses unless it is plain arithmetic.
 fn print_size(printer: &Printer<'_>, size: &Expr) -> Doc {
     let inner = expr::print_expr(printer, size);
     match is_arithmetic(size) {
@@ -168,7 +168,7 @@ pub(super) fn const_def(printer: &Printer<'_>, def: &ConstDef) -> Doc {
     concat([doc, constant(printer, def)])
 }
 
-/// Prints a definition of constants without its documentation.
+/// Prints a definition of constants without its doc comment.
 fn constant(printer: &Printer<'_>, def: &ConstDef) -> Doc {
     let mut parts = vec![text(names(&def.names))];
     if let Some(ty) = &def.ty {
@@ -225,12 +225,13 @@ fn static_param(printer: &Printer<'_>, param: &StaticParam) -> Doc {
     concat([list::doc_lines(printer, param.doc.as_ref()), written])
 }
 
-/// Prints a name, with its source offset.
+/// Prints a name, marked with its source offset.
 pub(super) fn print_name(printer: &Printer<'_>, name: &Ident) -> Doc {
     printer.mark_offset(name.span, text(&*name.name))
 }
 
-/// Returns whether the size of an array is plain arithmetic, which needs no parentheses.
+/// Returns whether the size in an array type consists of arithmetic operators, names and literals, so that it needs no
+/// parentheses.
 fn is_arithmetic(size: &Expr) -> bool {
     use BinaryOp::{Add, Div, IntDiv, Mod, Mul, Sub};
     match &size.kind {
@@ -244,13 +245,13 @@ fn is_arithmetic(size: &Expr) -> bool {
     }
 }
 
-/// Returns names separated by commas: `a, b`.
+/// Returns the text of names separated by commas: `a, b`.
 pub(super) fn names(names: &[Ident]) -> String {
     let names: Vec<&str> = names.iter().map(|name| name.name.as_str()).collect();
     names.join(", ")
 }
 
-/// Returns the text of a qualified name: `a.b`.
+/// Returns the text of a path of names: `a.b`.
 pub(super) fn dotted(dotted: &Dotted) -> String {
     let parts: Vec<&str> = dotted.parts.iter().map(|part| part.name.as_str()).collect();
     parts.join(".")
@@ -269,7 +270,7 @@ pub(super) fn type_params(params: &[StaticParam]) -> Doc {
     }
 }
 
-/// Returns whether a type parameter was written as `T`, without the keyword `type`.
+/// Returns whether the source writes a type parameter as `T`, without the keyword `type`.
 fn is_bare(param: &StaticParam) -> bool {
     matches!(&param.kind, StaticParamKind::Type(name, _) if name.span == param.span && !param.span.is_none())
 }

@@ -1,6 +1,8 @@
 //! Runs of the tool and their output.
 #![allow(dead_code, reason = "each test target uses a part")]
 
+pub(crate) mod recordings;
+
 use std::process::{Command, Output};
 
 /// Runs the tool without colours.

@@ -2,7 +2,7 @@
 
 use std::fmt;
 
-/// Error for facts that contradict each other.
+/// Error: facts about a cycle contradict each other, so that no such cycle exists.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub(crate) struct ContradictionError;
 

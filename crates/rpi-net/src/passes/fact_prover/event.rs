@@ -2,8 +2,8 @@
 
 use crate::net::{FragmentId, PortRef};
 
-/// Event whose occurrence proofs are about: in a cycle a fragment is active, and some flows are present as seen from
-/// it.
+/// Event in a cycle, about whose occurrence proofs are made: a fragment is active, and the flows in `present` have
+/// values for a reader in the fragment.
 #[derive(Clone, PartialEq, Eq, Debug)]
 pub(crate) struct Event {
     pub(crate) fragment: FragmentId,

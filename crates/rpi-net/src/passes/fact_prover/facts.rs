@@ -19,7 +19,7 @@ use rpi_image::{Presence, Role};
 use std::cell::Cell;
 use std::collections::{BTreeMap, BTreeSet};
 
-/// Net with the analyses that proofs use.
+/// Net with the results of the analyses that proofs use.
 #[derive(Clone, Copy)]
 pub(crate) struct ProofContext<'a> {
     pub(crate) net: &'a Net,
@@ -29,7 +29,8 @@ pub(crate) struct ProofContext<'a> {
 }
 
 impl ProofContext<'_> {
-    /// Obstacles to an event: enclosing fragments that are not always active, and flows that may be absent.
+    /// Returns the conditions on which an event depends: the enclosing fragments that are not always active, and the
+    /// flows that may be absent.
     pub(crate) fn obstacles(self, event: &Event) -> (Vec<FragmentId>, Vec<PortRef>) {
         let ProofContext {
             net,
@@ -46,10 +47,10 @@ impl ProofContext<'_> {
     }
 }
 
-/// Remaining number of node visits.
+/// Number of node visits that proofs may still make.
 pub(crate) type EffortBudget = Cell<u32>;
 
-/// Set of facts about one cycle: which fragments are active, and which values flows may have.
+/// Set of facts about one cycle: the fragments that are active, and the values that flows may have.
 #[derive(Clone)]
 pub(crate) struct Facts<'a> {
     background: ProofContext<'a>,
@@ -76,7 +77,7 @@ impl<'a> Facts<'a> {
         self.background
     }
 
-    /// Adds that a fragment and all enclosing ones are active.
+    /// Adds the fact that a fragment and all enclosing ones are active.
     pub(crate) fn activate(&mut self, fragment: FragmentId) -> FactResult {
         let chain: Vec<FragmentId> = self.background.net.ancestors(fragment).collect();
         for id in chain.into_iter().rev() {
@@ -106,7 +107,7 @@ impl<'a> Facts<'a> {
         self.require(parent, *condition, allowed)
     }
 
-    /// Adds that a flow, as seen from an active fragment, has a value in `allowed`.
+    /// Adds the fact that a flow, as seen from the active fragment `reader`, has a value in `allowed`.
     pub(crate) fn require(
         &mut self,
         reader: FragmentId,
@@ -130,7 +131,7 @@ impl<'a> Facts<'a> {
         self.narrow(port, allowed)
     }
 
-    /// Whether a flow is present whenever its fragment is active.
+    /// Returns whether it is proved that a flow is present whenever the fragment is active.
     fn is_present_inside(&self, fragment: FragmentId, port: PortRef) -> bool {
         let mut facts = Facts::new(self.background, self.effort);
         let absent = facts
@@ -139,7 +140,7 @@ impl<'a> Facts<'a> {
         absent.is_err()
     }
 
-    /// Adds that a fragment is inactive while its parent is active.
+    /// Adds the fact that a fragment is inactive while its parent is active.
     fn deactivate(&mut self, id: FragmentId) -> FactResult {
         let fragment = self.background.net.fragment(id);
         let (
@@ -162,7 +163,7 @@ impl<'a> Facts<'a> {
         self.require(parent, *condition, allowed)
     }
 
-    /// Adds that an event does not occur. Adds nothing if more than one cause is possible.
+    /// Adds the fact that an event does not occur. Adds nothing if more than one cause is possible.
     pub(crate) fn deny(&mut self, event: &Event) -> FactResult {
         let (gates, open) = self.background.obstacles(event);
         match (&gates[..], &open[..]) {
@@ -173,13 +174,13 @@ impl<'a> Facts<'a> {
         }
     }
 
-    /// Adds that a flow of an active fragment has a value in `allowed`, and propagates.
+    /// Adds the fact that a flow of an active fragment has a value in `allowed`, and derives further facts.
     pub(crate) fn assume(&mut self, port: PortRef, allowed: ValueSet) -> FactResult {
         self.narrow(port, allowed)?;
         self.propagate()
     }
 
-    /// Combines two sets of facts.
+    /// Returns the facts of both sets; an error if they contradict each other.
     pub(crate) fn conjoin(&self, other: &Facts<'a>) -> Result<Facts<'a>, ContradictionError> {
         let mut both = self.clone();
         both.active.extend(&other.active);
@@ -189,7 +190,8 @@ impl<'a> Facts<'a> {
         Ok(both)
     }
 
-    /// Propagates all facts until nothing changes or the effort is exhausted.
+    /// Derives further facts until nothing changes or the effort is exhausted. Returns an error if the facts contradict
+    /// each other.
     pub(crate) fn propagate(&mut self) -> FactResult {
         while let Some(id) = self.queue.pop_first() {
             let left = self.effort.get();
@@ -204,12 +206,12 @@ impl<'a> Facts<'a> {
         self.check_numbers()
     }
 
-    /// Checks the comparisons of numbers for contradictions.
+    /// Returns an error if the facts about comparisons of numbers contradict each other.
     pub(crate) fn check_numbers(&self) -> FactResult {
         numbers::check(self.background.net, &self.known)
     }
 
-    /// Possible values of a flow within its own fragment.
+    /// Returns the possible values of a flow while its own fragment is active.
     pub(crate) fn possible_values(&self, port: PortRef) -> ValueSet {
         self.known
             .get(&port)
@@ -217,7 +219,7 @@ impl<'a> Facts<'a> {
             .unwrap_or_else(|| self.initial_values(port))
     }
 
-    /// Flows about which facts are known, with their possible values.
+    /// Returns the flows about which facts are known, with their possible values.
     pub(crate) fn known(&self) -> impl Iterator<Item = (PortRef, ValueSet)> + '_ {
         self.known.iter().map(|(port, set)| (*port, *set))
     }
@@ -240,7 +242,8 @@ impl<'a> Facts<'a> {
         }
     }
 
-    /// Fragments that must be active for the reader to see the flow as present, except those known to be active.
+    /// Returns the fragments that must be active so that a reader in the fragment `reader` sees the flow. Fragments
+    /// that are known to be active are left out.
     fn gates(&self, reader: FragmentId, port: PortRef) -> Vec<FragmentId> {
         let ProofContext {
             net,
@@ -272,7 +275,7 @@ impl<'a> Facts<'a> {
         Ok(())
     }
 
-    /// Possible values of an input as its reader sees them.
+    /// Returns the possible values of an input for a reader in the fragment `reader`.
     fn seen_values(&self, reader: FragmentId, input: &Input) -> ValueSet {
         match input {
             Input::Unconnected => ValueSet::ABSENT,
@@ -284,7 +287,7 @@ impl<'a> Facts<'a> {
         }
     }
 
-    /// Narrows the possible values of a node's ports.
+    /// Narrows the possible values of the inputs and outputs of a node.
     fn revise(&mut self, id: NodeId) -> FactResult {
         let node = self.background.net.node(id);
         let is_state = matches!(node.desc().role, Role::Delay | Role::Constant);
@@ -302,8 +305,8 @@ impl<'a> Facts<'a> {
         }
     }
 
-    /// Narrows the inputs and the output of a node to values that occur in some combination allowed by its truth table
-    /// `gate`.
+    /// Narrows the inputs and the output of a node to values that occur in some row of its truth table `gate`. `seen`
+    /// are the possible values of the inputs.
     fn revise_gate(
         &mut self,
         id: NodeId,
@@ -357,7 +360,8 @@ impl<'a> Facts<'a> {
         Ok(())
     }
 
-    /// Narrows the inputs of a node whose output is absent.
+    /// Narrows the inputs of a node whose output is known to be absent. `rule` is the presence rule of the output,
+    /// `seen` the possible values of the inputs.
     fn revise_absent(&mut self, id: NodeId, rule: Presence, seen: &[ValueSet]) -> FactResult {
         let node = self.background.net.node(id);
         let open = connected(node, seen)
@@ -373,7 +377,7 @@ impl<'a> Facts<'a> {
         Ok(())
     }
 
-    /// Like [`Facts::narrow`], but does nothing if the set does not change.
+    /// Restricts the possible values of a flow to `allowed`. Does nothing if all of them are allowed already.
     fn narrow_if(&mut self, port: PortRef, allowed: ValueSet) -> FactResult {
         match self.possible_values(port).is_subset(allowed) {
             true => Ok(()),
@@ -382,7 +386,7 @@ impl<'a> Facts<'a> {
     }
 }
 
-/// Connected inputs of a node with their possible values.
+/// Returns the connected inputs of a node with their possible values. `seen` has one entry per input.
 fn connected<'n>(
     node: &'n Node,
     seen: &'n [ValueSet],
@@ -391,7 +395,7 @@ fn connected<'n>(
     inputs.filter(|(input, _)| !matches!(input, Input::Unconnected))
 }
 
-/// Cartesian product: all ways to choose one member of each set.
+/// Returns all ways to choose one member of each set (Cartesian product).
 fn combinations(sets: &[ValueSet]) -> Vec<Vec<ValueSet>> {
     sets.iter().fold(vec![Vec::new()], |done, set| {
         let with = |chosen: &Vec<ValueSet>, member| {

@@ -11,22 +11,22 @@ use rpi_image::{Role, Value};
 use std::cell::RefCell;
 use std::collections::{BTreeMap, BTreeSet};
 
-/// Maximal number of flows that the search for one property of a latch visits.
+/// Maximum number of flows that one search over logic gates visits. Bounds the compile time.
 const EFFORT: usize = 400;
-/// Maximal nesting depth of logic gates that the search follows; deeper ones count as unknown.
+/// Maximum nesting depth of logic gates that a search follows. Deeper flows count as unknown.
 const DEPTH: usize = 100;
 
-/// Latches of a net that turn on at most once.
+/// Latches (primitives that store a Boolean) of a net that turn on at most once. A latch is identified by an index.
 pub(super) struct Latches {
-    /// Index of a latch by its node.
+    /// Index of the latch at each node.
     index: BTreeMap<NodeId, usize>,
-    /// For each latch, the latches that it turns off for good when it turns on.
+    /// For each latch, the latches that it turns off permanently when it turns on.
     turned_off: Vec<BTreeSet<usize>>,
-    /// For each latch, the latches that must have been on before it or turn on with it.
+    /// For each latch, the latches that must have been on before or turn on in the same cycle.
     prerequisites: Vec<BTreeSet<usize>>,
-    /// For each latch, the signals that occur at most once and must be true when it turns on.
+    /// For each latch, the signals that are true in at most one cycle and must be true when it turns on.
     one_time_signals: Vec<BTreeSet<PortRef>>,
-    /// Cache: whether a pair of latches cannot turn on in the same cycle.
+    /// Cache: whether it is proved that a pair of latches does not turn on in the same cycle.
     never_simultaneous: RefCell<BTreeMap<(usize, usize), bool>>,
     nodes: Vec<NodeId>,
 }
@@ -74,7 +74,8 @@ impl Latches {
         }
     }
 
-    /// Whether the facts are contradictory because two latches that they imply to be on exclude each other.
+    /// Returns whether the facts are contradictory, because they imply that two latches are on that are never on
+    /// together.
     pub(super) fn exclude(&self, facts: &Facts<'_>, effort: &EffortBudget) -> bool {
         let on = facts.known().filter(|(_, set)| *set == ValueSet::TRUE);
         let on: Vec<usize> = on
@@ -88,7 +89,7 @@ impl Latches {
         })
     }
 
-    /// Returns a latch together with all latches that must have been on before it or turn on with it.
+    /// Returns the latch itself and all latches that must have been on before it or turn on in the same cycle.
     fn on_before(&self, latch: usize) -> BTreeSet<usize> {
         let mut all = BTreeSet::from([latch]);
         let mut open = vec![latch];
@@ -138,7 +139,7 @@ impl Latches {
     }
 }
 
-/// Whether a node is a latch that is never reset.
+/// Returns whether a node is a latch that is never reset, so that it turns on at most once.
 fn is_one_shot_latch(background: ProofContext<'_>, id: NodeId) -> bool {
     let net = background.net;
     let node = net.node(id);
@@ -169,13 +170,16 @@ fn is_constant(background: ProofContext<'_>, input: &Input, expected: bool) -> b
     value.and_then(Value::as_bool) == Some(expected)
 }
 
-/// Flow at the in-port `inOn` (0) or `inOff` (1) of a latch; `None` if it is not connected.
+/// Returns the flow at the in-port `inOn` (`input` is 0) or `inOff` (1) of a latch; `None` if a constant or nothing is
+/// connected.
 fn switch_source(background: ProofContext<'_>, latch: NodeId, input: usize) -> Option<PortRef> {
     background.net.node(latch).inputs.get(input)?.port()
 }
 
-/// Transitive closure of a flow over the operands of gates of one type. For conjunctions, all flows that must be true
-/// with it; for disjunctions, all flows that make it true.
+/// Returns the flow `start` and all flows that are its operands through gates of the type `gate`, directly or
+/// indirectly.
+///
+/// For conjunctions, all these flows must be true with `start`; for disjunctions, each of them makes `start` true.
 fn closure(background: ProofContext<'_>, start: Option<PortRef>, gate: &str) -> BTreeSet<PortRef> {
     let mut all: BTreeSet<PortRef> = start.into_iter().collect();
     let mut open: Vec<PortRef> = all.iter().copied().collect();
@@ -189,8 +193,10 @@ fn closure(background: ProofContext<'_>, start: Option<PortRef>, gate: &str) -> 
     all
 }
 
-/// For each latch, the latches that it turns off: a flow that is true when it turns on implies their `inOff`, and they
-/// are in the same fragment or an enclosing one, so that they are evaluated in that cycle.
+/// Returns for each latch the latches that it turns off when it turns on. A flow in `consequences`, which is then true,
+/// implies their `inOff`.
+///
+/// These latches are in the same fragment or an enclosing one, so that they are evaluated in that cycle.
 fn stops(
     background: ProofContext<'_>,
     nodes: &[NodeId],
@@ -221,7 +227,7 @@ fn stops(
     consequences.iter().enumerate().map(of).collect()
 }
 
-/// Whether a flow is true in at most one cycle.
+/// Returns whether it is proved that a flow is true in at most one cycle. `depth` limits the recursion.
 fn occurs_at_most_once(
     background: ProofContext<'_>,
     port: PortRef,
@@ -251,7 +257,7 @@ fn occurs_at_most_once(
     }
 }
 
-/// Search for the latches that must have been on for a flow to be true.
+/// Search for the latches that must have been on whenever a flow is true.
 struct PrerequisiteSearch<'a, 'b> {
     background: ProofContext<'a>,
     index: &'b BTreeMap<NodeId, usize>,

@@ -22,22 +22,24 @@ use std::collections::BTreeMap;
 use std::rc::Rc;
 use truth_tables::ValueSet;
 
-/// Maximal depth of case distinctions.
+/// Maximum number of nested case distinctions in a proof. A case distinction assumes each possible value of a flow in
+/// turn.
 const DEPTH: usize = 2;
-/// Maximal number of flows tried for a case distinction at each depth.
+/// Maximum number of flows that are tried for a case distinction at each depth. Bounds the compile time.
 const CASES: usize = 6;
-/// Maximal number of node visits of all proofs for one net: without and with case distinctions.
+/// Maximum number of node visits in all proofs without case distinctions, for one net. Bounds the compile time.
 const EFFORT: u32 = 10_000;
+/// Maximum number of node visits in all proofs with case distinctions, for one net. Bounds the compile time.
 const EFFORT_FOR_CASES: u32 = 2_000;
 
-/// Prover for one net with a limited effort.
+/// Prover of statements about single cycles of a net, with a limited effort.
 pub(crate) struct Prover<'a> {
     background: ProofContext<'a>,
     effort: &'a EffortBudget,
     latches: Latches,
-    /// Cached facts that follow from one fragment being active.
+    /// Cache of the facts that follow from one fragment being active; `Err` if the fragment is never active.
     single_facts: BTreeMap<FragmentId, Result<Rc<Facts<'a>>, ContradictionError>>,
-    /// Cached facts that follow from two fragments being active.
+    /// Cache: facts that follow from two fragments being active; an error if they never are in the same cycle.
     pair_facts: BTreeMap<(FragmentId, FragmentId), Result<Rc<Facts<'a>>, ContradictionError>>,
 }
 
@@ -53,8 +55,9 @@ impl<'a> Prover<'a> {
         }
     }
 
-    /// For each pair of events, whether it is proved that they never occur in the same cycle. Easy proofs come first,
-    /// so that a hard one cannot use up their effort.
+    /// Returns for each pair whether it is proved that its events never occur in the same cycle.
+    ///
+    /// Proofs without case distinctions come first, so that a difficult pair cannot use up the effort for them.
     pub(crate) fn never_together(&mut self, pairs: &[[Event; 2]]) -> Vec<bool> {
         let easy: Vec<bool> = pairs
             .iter()
@@ -67,7 +70,7 @@ impl<'a> Prover<'a> {
             .collect()
     }
 
-    /// Whether it is proved that one of these events occurs in every cycle.
+    /// Returns whether it is proved that at least one of these events occurs in every cycle.
     pub(crate) fn always_one(&mut self, of: &[Event]) -> bool {
         self.effort.set(EFFORT_FOR_CASES);
         let mut facts = Facts::new(self.background, self.effort);
@@ -75,7 +78,8 @@ impl<'a> Prover<'a> {
         denied.and_then(|()| facts.propagate()).is_err() || self.refuted(&facts, DEPTH)
     }
 
-    /// Whether it is proved, with case distinctions up to this depth, that two events never occur in the same cycle.
+    /// Returns whether it is proved that two events never occur in the same cycle. `depth` is the maximum number of
+    /// nested case distinctions.
     pub(crate) fn is_refuted(&mut self, a: &Event, b: &Event, depth: usize) -> bool {
         let Ok(both) = self.both_active(a.fragment, b.fragment, depth) else {
             return true;
@@ -93,12 +97,13 @@ impl<'a> Prover<'a> {
         all.and_then(|()| facts.propagate()).is_err() || self.refuted(&facts, depth)
     }
 
-    /// Whether all flows of an event are present whenever its fragment is active.
+    /// Returns whether all flows of an event are present whenever its fragment is active.
     fn is_always_present(&self, event: &Event) -> bool {
         self.background.obstacles(event).1.is_empty()
     }
 
-    /// Facts that follow from two fragments being active; an error if they never are in the same cycle.
+    /// Returns the facts that follow from two fragments being active; an error if it is proved that they never are in
+    /// the same cycle. `depth` is the maximum number of nested case distinctions.
     fn both_active(
         &mut self,
         a: FragmentId,
@@ -117,7 +122,8 @@ impl<'a> Prover<'a> {
         found
     }
 
-    /// Checks combined facts for contradictions. At depth 0 facts are not propagated, so that many pairs are cheap.
+    /// Returns the facts; an error if they contradict each other. At depth 0, no further facts are derived first, so
+    /// that many pairs are cheap.
     fn checked(
         &self,
         mut facts: Facts<'a>,
@@ -148,7 +154,8 @@ impl<'a> Prover<'a> {
         self.latches.exclude(facts, self.effort) || self.refuted_in_cases(facts, depth)
     }
 
-    /// Whether the facts are contradictory for every value of some flow.
+    /// Returns whether the facts contradict each possible value of some flow. `depth` is the maximum number of nested
+    /// case distinctions.
     fn refuted_in_cases(&self, facts: &Facts<'_>, depth: usize) -> bool {
         if depth == 0 || self.effort.get() == 0 {
             return false;
@@ -166,8 +173,10 @@ impl<'a> Prover<'a> {
     }
 }
 
-/// Whether it is proved that a flow, as seen from an active fragment, is never true in cycles in which some other flows
-/// of the command are false. The effort is taken from `all`, which many proofs share.
+/// Returns whether it is proved that a flow, as seen from the active fragment `reader`, is never true in a cycle in
+/// which all flows `others` are false.
+///
+/// The effort is subtracted from `all`, which many proofs share.
 pub(crate) fn never_true_without(
     background: ProofContext<'_>,
     all: &EffortBudget,

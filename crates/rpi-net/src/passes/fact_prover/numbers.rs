@@ -8,16 +8,17 @@ use crate::net::{Input, Net, Node, PortRef};
 use rpi_image::{Role, Scalar, Type, Value};
 use std::collections::{BTreeMap, BTreeSet};
 
-/// Interval that comparisons imply for one number.
+/// Interval of the values that comparisons allow for one number.
 #[derive(Clone, Copy)]
 struct Bounds {
     lower: f64,
     upper: f64,
-    /// Whether each bound is excluded (lower, upper).
+    /// Whether the lower and the upper bound themselves are excluded.
     excluded: (bool, bool),
-    /// Whether some comparison holds, so that the number is not NaN.
+    /// Whether some comparison of the number holds, so that it is not NaN.
     is_number: bool,
-    /// Whether the bounds are seconds that are rounded up to ticks: different bounds may be the same tick.
+    /// Whether the bounds are durations in seconds that the net rounds up to ticks. Different bounds may then be the
+    /// same tick.
     in_ticks: bool,
 }
 
@@ -64,7 +65,7 @@ impl Bounds {
         }
     }
 
-    /// Whether this value is the only integer in the interval.
+    /// Returns whether the lower and the upper bound are both this value.
     fn contains_only(self, value: i64) -> bool {
         let value = as_number(&Value::int(value));
         value == Some(self.lower) && value == Some(self.upper)
@@ -80,7 +81,8 @@ impl Bounds {
     }
 }
 
-/// Checks the facts about comparisons of numbers. Returns an error if those of some number contradict each other.
+/// Returns an error if the facts about comparisons of some number with constants contradict each other. `known` are the
+/// possible values of Boolean flows.
 pub(super) fn check(
     net: &Net,
     known: &BTreeMap<PortRef, ValueSet>,
@@ -110,14 +112,15 @@ pub(super) fn check(
     check_excluded(net, known, &ranges)
 }
 
-/// Whether a flow is never NaN, for which all comparisons are false.
+/// Returns whether a flow is never NaN. All comparisons of NaN are false.
 fn is_always_number(net: &Net, number: PortRef) -> bool {
     let node = net.node(number.node);
     let is_integer = node.outputs.get(usize::from(number.port)) == Some(&Type::Scalar(Scalar::Int));
     is_integer || matches!(node.desc().role, Role::Flow(_))
 }
 
-/// Returns an error if the facts exclude all possible values of some integer.
+/// Returns an error if the facts exclude all possible values of some integer. `ranges` are the intervals that other
+/// comparisons allow.
 fn check_excluded(
     net: &Net,
     known: &BTreeMap<PortRef, ValueSet>,
@@ -146,7 +149,7 @@ fn check_excluded(
     }
 }
 
-/// Integer flow and constant that a node compares for exact equality; `None` for other nodes.
+/// Returns the integer flow and the constant that a node compares for exact equality; `None` for other nodes.
 fn equals(node: &Node) -> Option<(PortRef, i64)> {
     let exact = node
         .params
@@ -163,8 +166,8 @@ fn equals(node: &Node) -> Option<(PortRef, i64)> {
     }
 }
 
-/// Number and interval that follow if a node, a comparison with a constant, has the truth value `holds`; `None` for
-/// other nodes.
+/// Returns the number that a node compares with a constant, and the interval of the number if the comparison has the
+/// truth value `holds`; `None` for other nodes.
 fn range(node: &Node, holds: bool) -> Option<(PortRef, Bounds)> {
     let name = node.desc().name;
     let (first, second) = (node.inputs.first()?, node.inputs.get(1)?);
@@ -187,8 +190,11 @@ fn range(node: &Node, holds: bool) -> Option<(PortRef, Bounds)> {
         .then(|| (number, compared_with(constant, or_equal, is_first, holds)))
 }
 
-/// Number of ticks and interval, in seconds, of a comparison with a constant duration. The tick length is unknown, and
-/// durations are rounded up to ticks; so the longer of two durations has at least as many ticks.
+/// Returns the number of ticks that a node compares with a constant duration, and its interval in seconds if the
+/// comparison has the truth value `holds`; `None` for other nodes.
+///
+/// The tick length is unknown, and durations are rounded up to ticks. So the longer of two durations has at least as
+/// many ticks.
 fn range_in_ticks(net: &Net, node: &Node, holds: bool) -> Option<(PortRef, Bounds)> {
     let or_equal = match node.desc().name {
         "Core::IntGreater" => false,
@@ -210,8 +216,8 @@ fn range_in_ticks(net: &Net, node: &Node, holds: bool) -> Option<(PortRef, Bound
     Some((number, range))
 }
 
-/// Interval of a number for which a comparison with a constant has the truth value `holds`. `is_first` says whether the
-/// number is the left operand.
+/// Returns the interval of a number for which a comparison with a constant (`>=` if `or_equal`, else `>`) has the truth
+/// value `holds`. `is_first` is true if the number is the left operand.
 fn compared_with(constant: f64, or_equal: bool, is_first: bool, holds: bool) -> Bounds {
     match (is_first, holds) {
         (true, true) => Bounds::from(constant, !or_equal),
@@ -221,7 +227,7 @@ fn compared_with(constant: f64, or_equal: bool, is_first: bool, holds: bool) -> 
     }
 }
 
-/// Duration in seconds of a flow that is a constant number of ticks; `None` for other flows.
+/// Returns the duration in seconds of a flow that is a constant number of ticks; `None` for other flows.
 fn duration(net: &Net, port: PortRef) -> Option<f64> {
     let node = net.node(port.node);
     match (node.desc().name, node.inputs.first()?) {
@@ -230,10 +236,10 @@ fn duration(net: &Net, port: PortRef) -> Option<f64> {
     }
 }
 
-/// Primitives for `a >= b`.
+/// Names of the primitives that compute `a >= b`.
 const OR_EQUAL: [&str; 2] = ["Rpi::IntGreaterOrEqual", "Rpi::DoubleGreaterOrEqual"];
 
-/// Value as a real; `None` for NaN and for integers that a real cannot represent.
+/// Returns a number as a double; `None` for NaN, for integers that a double cannot represent, and for other types.
 fn as_number(value: &Value) -> Option<f64> {
     // Integers up to 2^53 are exact in a double.
     const EXACT: i64 = 1 << 53;

@@ -6,18 +6,21 @@
 use crate::net::Node;
 use rpi_image::{Presence, Role, Scalar, Type, Value};
 
-/// Set of possible values of a flow in a cycle: true, false, absent. Of other types than Booleans only the presence is
-/// tracked.
+/// Set of possible values of a flow in a cycle: true, false, absent. For other types than Booleans only the presence is
+/// stored.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub(crate) struct ValueSet(u8);
 
 impl ValueSet {
-    /// The set with the value true; for a flow that is not a Boolean, the set with any present value.
+    /// Set with the value true only. For a flow that is not a Boolean, it stands for any present value.
     pub(crate) const TRUE: ValueSet = ValueSet(1);
+    /// Set with the value false only.
     pub(crate) const FALSE: ValueSet = ValueSet(2);
+    /// Set with the absence only: the flow has no value in the cycle.
     pub(crate) const ABSENT: ValueSet = ValueSet(4);
+    /// Empty set: contradictory conditions leave no value.
     pub(crate) const EMPTY: ValueSet = ValueSet(0);
-    /// Set of the values true and false, without absence.
+    /// Set of the values true and false, without the absence.
     pub(crate) const PRESENT: ValueSet = ValueSet(3);
 
     pub(crate) const fn intersection(self, other: ValueSet) -> ValueSet {
@@ -45,7 +48,7 @@ impl ValueSet {
         }
     }
 
-    /// Members of the set as singletons.
+    /// Returns the members of the set, each as a set with one member.
     pub(crate) fn members(self) -> impl Iterator<Item = ValueSet> {
         [ValueSet::TRUE, ValueSet::FALSE, ValueSet::ABSENT]
             .into_iter()
@@ -53,10 +56,10 @@ impl ValueSet {
     }
 }
 
-/// Truth table of a logic gate: possible outputs for single values of its inputs.
+/// Truth table of a logic gate: a function from a single value of each input to the possible outputs.
 type Gate = fn(&Node, &[ValueSet]) -> ValueSet;
 
-/// Gates with a truth table, by registered name.
+/// Truth tables of logic gates, by the name of the primitive.
 const GATES: &[(&str, Gate)] = &[
     ("Core::BooleanAnd", |_, i| and(i[0], i[1])),
     ("Core::BooleanOr", |_, i| not(and(not(i[0]), not(i[1])))),
@@ -85,7 +88,7 @@ const GATES: &[(&str, Gate)] = &[
     }),
 ];
 
-/// Truth table of a node's gate, if it has one.
+/// Returns the truth table of a node's primitive; `None` if it has none.
 pub(crate) fn gate(node: &Node) -> Option<Gate> {
     let desc = node.desc();
     if desc.role == Role::IsAbsent {
@@ -97,7 +100,8 @@ pub(crate) fn gate(node: &Node) -> Option<Gate> {
         .map(|(_, gate)| *gate)
 }
 
-/// Possible values of an output by its presence rule alone, for the sets of its connected inputs.
+/// Returns the possible values of an output that follow from its presence rule alone. `inputs` are the possible values
+/// of the connected inputs.
 pub(crate) fn by_rule(rule: Presence, inputs: &[ValueSet], ty: Type) -> ValueSet {
     let present = if is_boolean(ty) {
         ValueSet::PRESENT
@@ -118,7 +122,7 @@ pub(crate) fn is_boolean(ty: Type) -> bool {
     ty == Type::Scalar(Scalar::Bool)
 }
 
-/// Returns the set that contains only the value of a Boolean constant.
+/// Returns the set that contains only the value of a constant.
 pub(crate) fn constant(value: &Value) -> ValueSet {
     value.as_bool().map_or(ValueSet::TRUE, ValueSet::from_bool)
 }
@@ -131,7 +135,7 @@ fn not(a: ValueSet) -> ValueSet {
     }
 }
 
-/// Conjunction in strong Kleene logic (1952).
+/// Returns the conjunction of two single values in strong Kleene logic (1952).
 fn and(a: ValueSet, b: ValueSet) -> ValueSet {
     match (a, b) {
         (ValueSet::FALSE, _) | (_, ValueSet::FALSE) => ValueSet::FALSE,
@@ -156,7 +160,8 @@ fn strict(inputs: &[ValueSet], value: bool) -> ValueSet {
     }
 }
 
-/// Possible output of an edge detector: true only if the input may have the value that it detects.
+/// Returns the possible outputs of an edge detector for a value of its input. True is possible only for the value that
+/// it detects.
 fn edge(node: &Node, value: ValueSet) -> ValueSet {
     let expected = node.params.first().and_then(Value::as_bool).unwrap_or(true);
     match value {

@@ -4,17 +4,18 @@ use crate::net::{Input, Net, PortRef};
 use rpi_image::{Role, Value};
 use std::collections::BTreeSet;
 
-/// Maximal number of flows that the search for the values of one flow visits.
+/// Maximum number of flows that the search for the possible values of one flow visits. Bounds the compile time.
 const EFFORT: usize = 2_000;
 
-/// Primitives that forward one of their in-ports unchanged, with the index of the first such in-port.
+/// Primitives that return one of several inputs unchanged, each with the index of the first such in-port.
 const FORWARDING: &[(&str, usize)] = &[
     ("Core::IntConditional", 1),
     ("Rpi::IntCoalesce", 0),
     ("Rpi::IntPre", 0),
 ];
 
-/// All possible values of a flow; `None` if they are unknown.
+/// Returns all values that an integer flow can have, found by following its sources to constants; `None` if a source is
+/// no constant or the search is too large.
 pub(super) fn possible_values(net: &Net, flow: PortRef) -> Option<BTreeSet<i64>> {
     let mut found = BTreeSet::new();
     let mut seen = BTreeSet::from([flow]);

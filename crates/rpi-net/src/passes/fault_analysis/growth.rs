@@ -6,12 +6,13 @@ use super::range::Interval;
 use super::transfer::IntOperation;
 use crate::net::{Input, NodeId};
 
-/// Number of cycles of the longest run for which counters are analysed: 139 years of 1 ms cycles.
+/// Number of cycles of the longest run for which counters are analysed: 2^42, which is 139 years with cycles of 1 ms.
 pub(super) const CYCLES: i128 = 1 << 42;
-/// Maximal number of nodes on the paths from a delay back to itself that are followed.
+/// Maximum number of nodes that are followed on the paths from a delay back to itself. Bounds the compile time.
 const NODES: u32 = 64;
 
-/// Next value of a delay: its current value plus a step, an independent value, or either.
+/// Next value of a delay as a function of its current one: the current value plus a step in a range, an independent
+/// value in an interval, or either.
 #[derive(Clone, Copy)]
 struct NextValue {
     step: Option<(i128, i128)>,
@@ -42,7 +43,8 @@ impl NextValue {
     }
 }
 
-/// Range of values that a delay can reach in a run; `None` if its steps are not bounded.
+/// Returns the interval of the values that a delay can reach in the longest analysed run; `None` if its step per cycle
+/// is not bounded.
 pub(super) fn counter_range(known: &IntervalAnalysis<'_>, delay: NodeId) -> Option<Interval> {
     let mut walk = GrowthAnalysis {
         known,
@@ -107,7 +109,7 @@ impl GrowthAnalysis<'_, '_> {
     }
 }
 
-/// Adds the range `by` to the step of a delay, or subtracts it.
+/// Adds the interval `by` to the step and to the independent value of a delay, or subtracts it; `None` on overflow.
 fn add_to_step(next: NextValue, by: Interval, op: IntOperation) -> Option<NextValue> {
     let (down, up) = match op {
         IntOperation::Add => (i128::from(by.lo), i128::from(by.hi)),

@@ -9,24 +9,25 @@ use crate::passes::Schedule;
 use rpi_image::Role;
 use std::collections::BTreeSet;
 
-/// Number of iterations without widening. Later, the range of a delay is widened to the next constant of the program.
+/// Number of iterations without widening. In later iterations, the interval of a delay is widened to the next constant
+/// of the program.
 const EXACT_ROUNDS: usize = 4;
-/// Number of iterations after which a range that still changes is widened to all values.
+/// Number of iterations after which an interval that still changes is widened to all values.
 const ROUGH_ROUNDS: usize = 20;
-/// Number of iterations after which the ranges of all delays are widened to all values.
+/// Number of iterations after which the intervals of all delays are widened to all values.
 const MAX_ROUNDS: usize = 40;
-/// Maximal number of constants of the program used as widening thresholds.
+/// Maximum number of constants of the program that are used as widening thresholds. Bounds the compile time.
 const MAX_THRESHOLDS: usize = 256;
 
-/// Interval analysis of a net: the range of the values of each integer and Boolean flow.
+/// Interval analysis of a net: the interval of the values of each integer and Boolean flow.
 pub(super) struct IntervalAnalysis<'a> {
     pub(super) net: &'a Net,
-    /// For each node, the range of its only out-port; `None` if it is not reached yet (bottom).
+    /// For each node, the interval of its only out-port; `None` if no value has reached it yet (bottom).
     ranges: Vec<Option<Interval>>,
-    /// For each fragment, limits that hold because the fragment is active.
+    /// For each fragment, limits on flows that hold because the fragment is active.
     limits: Vec<Limits>,
     thresholds: Vec<i64>,
-    /// Delays that change by a bounded step per cycle.
+    /// Delays whose values change by a bounded step per cycle.
     counters: BTreeSet<NodeId>,
 }
 
@@ -84,7 +85,8 @@ impl<'a> IntervalAnalysis<'a> {
         }
     }
 
-    /// Updates the ranges of the delays from their inputs. Returns whether one of them changed.
+    /// Updates the intervals of the delays from their inputs in the iteration `round`. Returns whether one of them
+    /// changed.
     fn update_delays(&mut self, delays: &[NodeId], round: usize) -> bool {
         let mut changed = false;
         for id in delays {
@@ -134,7 +136,8 @@ impl<'a> IntervalAnalysis<'a> {
         }
     }
 
-    /// Widens a range that has grown to the next constant of the program, where growth often ends.
+    /// Widens an interval that has grown from `old` to `new` to the next constants of the program, at which growth
+    /// often ends.
     fn widen(&self, old: Interval, new: Interval) -> Interval {
         let up = self.thresholds.partition_point(|stop| *stop < new.hi);
         let down = self.thresholds.partition_point(|stop| *stop <= new.lo);
@@ -147,12 +150,14 @@ impl<'a> IntervalAnalysis<'a> {
         }
     }
 
-    /// Range of the values at an in-port while its fragment is active; `None` if it is not reached yet.
+    /// Returns the interval of the values at in-port `k` of a node while its fragment is active; `None` if no value has
+    /// reached it yet.
     pub(super) fn input(&self, node: &Node, k: usize) -> Option<Interval> {
         self.input_where(node, k, &Limits::new())
     }
 
-    /// Like [`IntervalAnalysis::input`], with additional limits.
+    /// Returns the interval of the values at in-port `k` of a node, narrowed by additional limits; `None` if no value
+    /// has reached it yet.
     pub(super) fn input_where(&self, node: &Node, k: usize, limits: &Limits) -> Option<Interval> {
         match node.inputs.get(k)? {
             Input::Const(value) => Interval::from_value(value),
@@ -167,7 +172,7 @@ impl<'a> IntervalAnalysis<'a> {
         }
     }
 
-    /// Range of a flow; `None` if it is not reached yet.
+    /// Returns the interval of a flow; `None` if no value has reached it yet, or if its type is not analysed.
     pub(super) fn range_of(&self, port: PortRef) -> Option<Interval> {
         let node = self.net.node(port.node);
         match node.outputs.len() {
@@ -177,7 +182,7 @@ impl<'a> IntervalAnalysis<'a> {
     }
 }
 
-/// Range of all values of a node's output; `None` if its type is not analysed.
+/// Returns the interval of all values that the type of a node's output allows; `None` if the type is not analysed.
 pub(super) fn full_range(node: &Node) -> Option<Interval> {
     match node.outputs[..] {
         [one] => Interval::from_type(one),
@@ -189,7 +194,7 @@ fn is_delay(node: &Node) -> bool {
     matches!(node.desc().role, Role::Delay)
 }
 
-/// Constants of a net and their neighbours in ascending order, as widening thresholds.
+/// Returns the constants of a net and their neighbours in ascending order, as thresholds for widening.
 fn widening_thresholds(net: &Net) -> Vec<i64> {
     let mut stops = BTreeSet::from([-1, 0, 1]);
     let inputs = net.nodes.iter().flat_map(|node| &node.inputs);

@@ -25,18 +25,18 @@ use rpi_image::Role;
 use std::fmt;
 use transfer::IntOperation;
 
-/// Kind of a run-time fault.
+/// Kind of a fault that an operation may raise at run time.
 #[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Debug)]
 pub enum FaultKind {
     /// The result of an integer operation does not fit in 64 bits.
     Overflow,
-    /// A divisor may be 0.
+    /// The divisor of a division may be 0.
     Division,
-    /// An index is outside the array.
+    /// An index may be outside the array.
     Index,
-    /// A real cannot be converted to an integer.
+    /// A real without an integer value, such as NaN, is converted to an integer.
     Conversion,
-    /// A value is outside its subrange.
+    /// A value may be outside its subrange.
     Subrange,
     /// An assertion or a clause of a contract is false.
     Contract,
@@ -58,20 +58,21 @@ impl fmt::Display for FaultKind {
     }
 }
 
-/// Operation that is not proved free of faults.
+/// Operation of a net that is not proved free of a kind of fault.
 #[derive(Clone, PartialEq, Eq, Debug)]
 pub struct PossibleFault {
     /// Node of the net that may fault.
     pub node: NodeId,
     /// Location of the operation in the source text.
     pub span: Span,
-    /// Kind of the possible fault.
+    /// Kind of the fault that may occur.
     pub kind: FaultKind,
-    /// Whether the fault counts only in cycles in which the result is needed.
+    /// Whether the operation is evaluated only in cycles in which the program needs its result.
     pub is_guarded: bool,
 }
 
-/// Returns the operations of a net that may fault, in the order of the net. Each kind occurs once per node.
+/// Returns the operations of a net that may raise a fault, in the order of the nodes. Each kind of fault occurs at most
+/// once per node.
 #[must_use]
 pub fn possible_faults(net: &Net, schedule: &Schedule) -> Vec<PossibleFault> {
     if !net.nodes.iter().any(|node| node.desc().may_fault) {
@@ -92,7 +93,7 @@ pub fn possible_faults(net: &Net, schedule: &Schedule) -> Vec<PossibleFault> {
     found
 }
 
-/// Kinds of faults of a node that are not proved impossible.
+/// Returns the kinds of faults of a node that are not proved impossible.
 fn kinds(known: &IntervalAnalysis<'_>, node: &Node) -> Vec<FaultKind> {
     let desc = node.desc();
     if !desc.may_fault || matches!(desc.role, Role::Actuator(_)) {
@@ -133,7 +134,7 @@ fn of_operation(known: &IntervalAnalysis<'_>, node: &Node) -> Vec<FaultKind> {
     kinds
 }
 
-/// Whether the value of a subrange check is always within the range while the check is active.
+/// Returns whether the value of a subrange check is always within the range while the check is evaluated.
 fn is_within(known: &IntervalAnalysis<'_>, node: &Node) -> bool {
     let mut limits = refine::Limits::new();
     if let Some(Input::Port(guard)) = node.inputs.first() {
@@ -147,7 +148,7 @@ fn is_within(known: &IntervalAnalysis<'_>, node: &Node) -> bool {
     from.hi <= value.lo && value.hi <= to.lo
 }
 
-/// Whether a node is active only while a condition of the program is true.
+/// Returns whether a node is evaluated only while a condition of the program is true.
 fn is_guarded(net: &Net, node: &Node) -> bool {
     let first = node.inputs.first();
     let ports = &node.desc().inputs;

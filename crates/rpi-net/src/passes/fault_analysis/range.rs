@@ -2,12 +2,13 @@
 
 use rpi_image::{Scalar, Type, Value};
 
-/// Inclusive interval of the values of a flow while it is present.
+/// Interval of the values of an integer or Boolean flow while it is present, both bounds included. Booleans are 0 and
+/// 1.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub(super) struct Interval {
     pub(super) lo: i64,
     pub(super) hi: i64,
-    /// Whether 0 is excluded.
+    /// Whether the value is never 0, although 0 may lie between the bounds.
     pub(super) no_zero: bool,
 }
 
@@ -25,7 +26,7 @@ impl Interval {
         }
     }
 
-    /// Interval of all values of a type; `None` for a type that is not analysed.
+    /// Returns the interval of all values of a type; `None` for a type that is not analysed.
     pub(super) fn from_type(ty: Type) -> Option<Interval> {
         match ty {
             Type::Scalar(Scalar::Bool) => Some(Interval::BOOL),
@@ -47,7 +48,7 @@ impl Interval {
         }
     }
 
-    /// Value of a Boolean, if it is constant.
+    /// Returns the truth value of a Boolean's interval if it has only one value; `None` otherwise.
     pub(super) fn as_bool(self) -> Option<bool> {
         (self.lo == self.hi).then_some(self.lo != 0)
     }
@@ -56,7 +57,7 @@ impl Interval {
         !self.no_zero && self.lo <= 0 && self.hi >= 0
     }
 
-    /// Smallest interval that contains both intervals (join).
+    /// Returns the smallest interval that contains both intervals (join).
     pub(super) fn join(self, other: Interval) -> Interval {
         Interval {
             lo: self.lo.min(other.lo),
@@ -65,7 +66,8 @@ impl Interval {
         }
     }
 
-    /// Intersection (meet). Returns `self` if it is empty: the flow is then never present, so any interval is sound.
+    /// Returns the intersection of both intervals (meet). Returns `self` if the intersection is empty: the flow is then
+    /// never present, so any interval is sound.
     pub(super) fn meet(self, other: Interval) -> Interval {
         let both = Interval {
             lo: self.lo.max(other.lo),
@@ -79,7 +81,7 @@ impl Interval {
         }
     }
 
-    /// Moves a bound that is 0 by one if 0 is excluded.
+    /// Returns the interval with a bound that is 0 moved by one, if the value 0 is excluded.
     fn trimmed(self) -> Interval {
         let mut range = self;
         if range.no_zero && range.lo == 0 && range.hi > 0 {
@@ -91,7 +93,7 @@ impl Interval {
         range
     }
 
-    /// Interval without one value; the same interval if the value is not at its end.
+    /// Returns the interval without one value. The interval is unchanged if the value lies inside it and is not 0.
     pub(super) fn without(self, value: i64) -> Interval {
         let mut range = self;
         if value == 0 {
@@ -104,8 +106,8 @@ impl Interval {
         range.trimmed()
     }
 
-    /// Interval of the results of an operation that is monotonic in each operand, computed from the bounds; `None` on
-    /// overflow.
+    /// Returns the interval of the results of an operation that is monotonic in each operand, computed from the bounds
+    /// of both intervals; `None` on overflow.
     pub(super) fn combine_bounds(
         self,
         other: Interval,
@@ -125,7 +127,7 @@ impl Interval {
         ))
     }
 
-    /// Interval of the quotients; the divisor 0 is ignored. `None` on overflow.
+    /// Returns the interval of the quotients; the divisor 0 is ignored. `None` on overflow.
     pub(super) fn div(self, by: Interval) -> Option<Interval> {
         let mut parts = [(by.lo, by.hi.min(-1)), (by.lo.max(1), by.hi)]
             .into_iter()
@@ -135,8 +137,8 @@ impl Interval {
         parts.try_fold(first, |all, part| Some(all.join(part?)))
     }
 
-    /// Interval of the remainders; the divisor 0 is ignored. They have the sign of the dividend, are smaller in size
-    /// than the divisor, and at most the size of the dividend.
+    /// Returns the interval of the remainders; the divisor 0 is ignored. Remainders have the sign of the dividend.
+    /// Their absolute value is less than that of the divisor and at most that of the dividend.
     pub(super) fn modulo(self, by: Interval) -> Interval {
         let size = by.lo.unsigned_abs().max(by.hi.unsigned_abs());
         let size = i64::try_from(size.saturating_sub(1)).unwrap_or(i64::MAX);
@@ -146,7 +148,7 @@ impl Interval {
         )
     }
 
-    /// Interval of the powers with non-negative exponents; `None` on overflow, or if an exponent may be negative.
+    /// Returns the interval of the powers; `None` on overflow, or if an exponent may be negative.
     pub(super) fn power(self, by: Interval) -> Option<Interval> {
         if by.lo < 0 {
             return None;

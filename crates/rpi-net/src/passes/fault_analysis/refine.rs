@@ -6,15 +6,16 @@ use super::range::Interval;
 use crate::net::{Input, Node, PortRef};
 use smallvec::SmallVec;
 
-/// Maximal nesting depth of conditions from which limits are derived.
+/// Maximum nesting depth of a condition down to which limits on the values of flows are derived. Bounds the compile
+/// time.
 const DEPTH: usize = 12;
-/// Maximal number of limits derived from a condition.
+/// Maximum number of limits on the values of flows that are derived from one condition. Bounds the compile time.
 const MAX_LIMITS: usize = 32;
 
-/// Flows with additional limits on their ranges.
+/// List of flows, each with a limit on its values.
 pub(super) type Limits = SmallVec<[(PortRef, Limit); 4]>;
 
-/// Restriction of the range of one flow that follows from a condition.
+/// Limit on the values of one flow that follows from a condition.
 #[derive(Clone, Copy, Debug)]
 pub(super) enum Limit {
     Within(Interval),
@@ -31,8 +32,10 @@ impl Limit {
 }
 
 impl IntervalAnalysis<'_> {
-    /// Adds the limits that hold where a Boolean is `truth` or absent. An absent condition implies the same limits for
-    /// present flows: a comparison of a present flow with a constant is present.
+    /// Adds the limits that hold if the Boolean flow `port` has the value `truth` or is absent.
+    ///
+    /// An absent condition implies the same limits for flows that are present: a comparison of a present flow with a
+    /// constant is present.
     pub(super) fn assume(&self, port: PortRef, truth: bool, limits: &mut Limits) {
         self.assume_within(port, truth, DEPTH, limits);
     }
@@ -77,7 +80,8 @@ fn constant(node: &Node, input: usize) -> Option<i64> {
     }
 }
 
-/// Operands of a comparison of a flow with a constant integer: flow, constant, and whether the flow is the first operand.
+/// Returns the operands of a comparison of a flow with a constant integer: the flow, the constant, and whether the flow
+/// is the first operand. `None` for other nodes.
 fn flow_and_constant(node: &Node) -> Option<(PortRef, i64, bool)> {
     match (node.inputs.first()?, node.inputs.get(1)?) {
         (Input::Port(port), Input::Const(value)) => Some((*port, value.as_int()?, true)),
@@ -86,7 +90,7 @@ fn flow_and_constant(node: &Node) -> Option<(PortRef, i64, bool)> {
     }
 }
 
-/// Adds the limits from a comparison of an integer with a constant.
+/// Adds the limit on an integer that follows if its comparison with a constant, at `node`, has the value `truth`.
 fn assume_comparison(node: &Node, truth: bool, limits: &mut Limits) {
     let Some((port, value, is_first)) = flow_and_constant(node) else {
         return;
@@ -112,7 +116,7 @@ fn assume_comparison(node: &Node, truth: bool, limits: &mut Limits) {
     limits.extend(within.map(|within| (port, Limit::Within(within))));
 }
 
-/// Whether an equality primitive compares exactly, without a tolerance.
+/// Returns whether a node that tests equality compares exactly, without a tolerance.
 fn is_exact(node: &Node) -> bool {
     let slack = node.params.first();
     slack.is_none_or(|slack| slack.as_int() == Some(0) || slack.as_real() == Some(0.0))

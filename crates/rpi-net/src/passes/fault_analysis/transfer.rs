@@ -5,7 +5,7 @@ use super::range::Interval;
 use super::refine::Limits;
 use crate::net::{Input, Node};
 
-/// Integer operation of a primitive, plain or guarded.
+/// Integer operation of a primitive. A guarded primitive performs it only while its first input is true.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub(super) enum IntOperation {
     Add,
@@ -54,7 +54,8 @@ const OPS: &[(&str, &str, IntOperation)] = &[
 ];
 
 impl IntOperation {
-    /// Operation of a primitive, with the index of its first operand; `None` for other primitives.
+    /// Returns the operation of a primitive, with the index of the in-port of its first operand; `None` for other
+    /// primitives.
     pub(super) fn from_primitive(name: &str) -> Option<(IntOperation, usize)> {
         OPS.iter().find_map(|(plain, guarded, op)| match name {
             _ if name == *plain => Some((*op, 0)),
@@ -63,7 +64,7 @@ impl IntOperation {
         })
     }
 
-    /// Interval of the results of the operation; the divisor 0 is ignored. `None` on overflow.
+    /// Returns the interval of the results of the operation; the divisor 0 is ignored. `None` on overflow.
     pub(super) fn apply(self, a: Interval, b: Interval) -> Option<Interval> {
         match self {
             IntOperation::Add => a.combine_bounds(b, |a, b| a + b),
@@ -86,7 +87,8 @@ impl IntOperation {
     }
 }
 
-/// Operation and operand ranges of a node while its guard is true; `None` if an operand is not reached yet.
+/// Returns the operation of a node and the intervals of both operands while its guard is true; `None` for other nodes,
+/// or if no value has reached an operand yet. An operation with one operand gives it twice.
 pub(super) fn operands(
     known: &IntervalAnalysis<'_>,
     node: &Node,
@@ -106,7 +108,8 @@ pub(super) fn operands(
     Some((op, a, b))
 }
 
-/// Range of a node's output; `None` if it is not reached yet.
+/// Returns the interval of a node's output; `None` if no value has reached it yet. `all` is the interval of all values
+/// of its type.
 pub(super) fn output_range(
     known: &IntervalAnalysis<'_>,
     node: &Node,
@@ -154,7 +157,7 @@ pub(super) fn output_range(
     })
 }
 
-/// Range of `if c then x else y`: each branch is refined by the condition.
+/// Returns the interval of `if c then x else y`. The condition narrows the values of both branches.
 fn conditional_range(known: &IntervalAnalysis<'_>, node: &Node) -> Option<Interval> {
     let truth = known.input(node, 0)?.as_bool();
     let branch = |k: usize, holds: bool| {

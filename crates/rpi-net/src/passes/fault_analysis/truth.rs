@@ -4,10 +4,10 @@ use super::intervals::IntervalAnalysis;
 use super::refine::Limits;
 use crate::net::{Input, Node};
 
-/// Maximal nesting depth of Boolean nodes that the evaluation follows.
+/// Maximum nesting depth of Boolean operations that the evaluation follows. Bounds the compile time.
 const DEPTH: usize = 8;
 
-/// Value of a Boolean node, if it is constant while it is present and the `limits` hold.
+/// Returns the value of a Boolean node if it is constant while it is present and the `limits` hold; `None` otherwise.
 pub(super) fn constant_value(
     known: &IntervalAnalysis<'_>,
     node: &Node,
@@ -49,7 +49,8 @@ fn decide(always: bool, never: bool) -> Option<bool> {
     }
 }
 
-/// Whether the condition of an assertion is never false, given what its guard implies.
+/// Returns whether it is proved that the condition of an assertion is never false. A guard of the condition counts as
+/// true.
 pub(super) fn always_holds(known: &IntervalAnalysis<'_>, check: &Node) -> bool {
     holds_where(known, check.inputs.first(), &Limits::new(), DEPTH)
 }

@@ -7,24 +7,26 @@ use crate::net::{Node, PortRef};
 use rpi_image::{CommandFlow, Scalar, Type, Value};
 use std::collections::BTreeMap;
 
-/// Boolean of a concrete execution, with a flag that says whether it is exact.
+/// Boolean in an execution with concrete values. If `exact` is false, the value is a guess, because it depends on a
+/// primitive that is not modelled.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub(super) struct ConcreteBool {
     pub(super) value: bool,
     pub(super) exact: bool,
 }
 
-/// Value of a concrete execution, with a flag that says whether it is exact.
+/// Value in an execution with concrete values. If `exact` is false, the value is a guess, because it depends on a
+/// primitive that is not modelled.
 #[derive(Clone, Debug)]
 pub(super) struct ConcreteValue {
     pub(super) value: Value,
     pub(super) exact: bool,
 }
 
-/// Inputs of a run by source and cycle; `None` if the input is absent.
+/// External inputs of a run, by source and index of the cycle (from 0); `None` if the input is absent in the cycle.
 pub(super) type InputScript = BTreeMap<(Source, usize), Option<Value>>;
 
-/// Interesting values by type: constants of the net and their neighbours, from which random inputs are chosen.
+/// Values by type from which random inputs are derived: the constants of the net, near which its conditions change.
 #[derive(Clone, Debug, Default)]
 pub(super) struct BoundaryValues {
     pub(super) integers: Vec<i64>,
@@ -44,7 +46,7 @@ impl Random {
         z ^ (z >> 31)
     }
 
-    /// Returns a number below `bound`. The bound 0 counts as 1.
+    /// Returns a pseudo-random number from 0 to `bound - 1`. The bound 0 counts as 1.
     pub(super) fn below(&mut self, bound: usize) -> usize {
         usize::try_from(self.next() % (bound.max(1) as u64)).unwrap_or(0)
     }
@@ -54,24 +56,24 @@ impl Random {
     }
 }
 
-/// Probability in eighths that an input keeps its value from cycle to cycle in long runs.
+/// Probability, in eighths, that an input has the value of the previous cycle in long runs.
 pub(super) const LONG_RUN_HOLD: usize = 7;
 
-/// Tick length in runs in nanoseconds: the default of a robot cell.
+/// Length of a tick in simulated runs, in nanoseconds: 1 ms, the default of a robot cell.
 pub(super) const TICK_NS: u64 = 1_000_000;
 
-/// Execution with concrete values: the current cycle, the inputs so far, and the choice of missing inputs.
+/// Execution of a net with concrete values: the current cycle, the inputs so far, and the generator of missing inputs.
 pub(super) struct ConcreteDomain<'a> {
     pub(super) cycle: usize,
-    /// Inputs of the run so far. Values that are missing are generated when they are read.
+    /// External inputs of the run so far. An input that is missing is generated when it is read.
     pub(super) script: InputScript,
     pub(super) random: Random,
     pub(super) pool: &'a BoundaryValues,
-    /// Probability in eighths that an input keeps its value.
+    /// Probability, in eighths, that a generated input has the value of the previous cycle.
     pub(super) hold_probability: usize,
-    /// Whether a primitive had a fault.
+    /// Whether a primitive has raised a fault since the start of the run.
     pub(super) is_faulty: bool,
-    /// Whether a primitive has raised a fault in the run.
+    /// Whether generated inputs are neutral values, such as 0 and false, instead of random ones.
     pub(super) use_neutral_inputs: bool,
 }
 
@@ -92,7 +94,8 @@ impl<'a> ConcreteDomain<'a> {
         }
     }
 
-    /// Generates a value near one of the boundary values of this type.
+    /// Returns a random value of a type: a constant of the net, or a value near one. Types other than Booleans,
+    /// integers and reals give their neutral value.
     fn random_value(&mut self, ty: Type) -> Value {
         if self.use_neutral_inputs {
             return Value::neutral(ty);
@@ -174,7 +177,8 @@ impl<'a> ConcreteDomain<'a> {
         is_there.then(|| self.random_value(ty))
     }
 
-    /// Returns a random time in seconds after `then`. It may jump to a constant with which times are compared.
+    /// Returns a random time in seconds after the time `then`: one tick later, or a constant with which the net may
+    /// compare times.
     fn later(&mut self, then: f64) -> f64 {
         let pool = self.pool;
         let next = then + 0.001;
@@ -205,7 +209,7 @@ impl ConcreteDomain<'_> {
     }
 }
 
-/// Output of a primitive that depends on the tick length; `None` for other primitives.
+/// Returns the output of a primitive that depends on the tick length; `None` for other primitives.
 fn tick_operation(node: &Node, inputs: &[&Value]) -> Option<Value> {
     let input = inputs.first()?;
     match node.desc().name {
@@ -346,7 +350,8 @@ impl Domain for ConcreteDomain<'_> {
     }
 }
 
-/// Neutral value of each out-port of a primitive that does not compute a value.
+/// Returns the neutral value of each out-port of a primitive, such as 0 or false, for a primitive that does not compute
+/// its outputs. `exact` is their exactness.
 fn neutral_outputs(node: &Node, exact: bool) -> Vec<ConcreteValue> {
     let neutral = |ty: &Type| ConcreteValue {
         value: Value::neutral(*ty),

@@ -7,43 +7,43 @@ use crate::passes::fact_prover::Event;
 use rpi_image::{Presence, Role, Scalar, Type, Value};
 use rustc_hash::{FxHashMap, FxHashSet};
 
-/// Kind of state that is kept from cycle to cycle. It is reset with the fragment that owns it.
+/// Kind of state that a net stores from cycle to cycle. It is reset with the fragment that owns it.
 #[derive(Clone, PartialEq, Eq, PartialOrd, Ord, Hash, Debug)]
 pub(super) enum RegisterKind {
-    /// The input of a delay in the previous cycle.
+    /// The input of a delay in the previous cycle, for the delay with this node.
     Delayed(NodeId),
-    /// A memory slot of a primitive, by index.
+    /// One memory slot of a primitive: its node and the index of the slot, from 0.
     Slot(NodeId, usize),
-    /// Whether the fragment has been active before.
+    /// Whether the fragment has been active in an earlier cycle.
     Started(FragmentId),
     /// Whether the fragment was active in the last active cycle of its parent.
     WasActive(FragmentId),
 }
 
-/// State element of a net in the model checker: its kind, owner, type and initial value (`None` if it is initially
-/// absent).
+/// State element of a net in the model checker: kind, owner, type and initial value (`None` if it is absent at first).
 #[derive(Clone, Debug)]
 pub(super) struct Register {
     pub(super) memory: RegisterKind,
     pub(super) owner: FragmentId,
     pub(super) ty: Type,
     pub(super) initial: Option<Value>,
-    /// Whether the stored value may be absent, so that the model also needs a Boolean for its presence.
+    /// Whether the stored value may be absent. The model then also needs a Boolean for its presence.
     pub(super) may_be_absent: bool,
 }
 
 /// Cone of influence of some events: the nodes and registers that decide whether they occur.
 pub(super) struct Cone<'a> {
     pub(super) net: &'a Net,
-    /// Nodes in order of evaluation.
+    /// Nodes of the cone in order of evaluation.
     pub(super) nodes: Vec<NodeId>,
     pub(super) registers: Vec<Register>,
-    /// Index of each register. Delays of the same flow in the same fragment share a register.
+    /// Index in `registers` of each state element. Delays of the same flow in the same fragment share one.
     places: FxHashMap<RegisterKind, usize>,
 }
 
 impl<'a> Cone<'a> {
-    /// Builds the cone of some events and flows with at most `limit` nodes. The nodes nearest to the events are kept.
+    /// Builds the cone of the events `of` and of `flows`. It has at most `limit` nodes, those nearest to the events and
+    /// flows. `is_total` returns whether a flow of a delay is present in every cycle.
     pub(super) fn new(
         net: &'a Net,
         schedule: &Schedule,
@@ -76,7 +76,7 @@ impl<'a> Cone<'a> {
         cone
     }
 
-    /// Index of the register of this kind; `None` if it is not in the cone.
+    /// Returns the index in `registers` of a state element; `None` if it is not in the cone.
     pub(super) fn index_of(&self, memory: &RegisterKind) -> Option<usize> {
         self.places.get(memory).copied()
     }
@@ -176,7 +176,7 @@ fn delay(net: &Net, id: NodeId) -> Register {
     }
 }
 
-/// Backward search from the events to the nodes that decide them.
+/// Backward search from events to the nodes that decide whether they occur.
 struct Search<'a> {
     net: &'a Net,
     seen: FxHashSet<NodeId>,
@@ -215,7 +215,7 @@ impl<'a> Search<'a> {
         }
     }
 
-    /// Runs the search breadth first for at most `limit` nodes, so that the nearest nodes are kept.
+    /// Runs the search breadth first until it has found `limit` nodes, so that those nearest to the events remain.
     fn run(&mut self, limit: usize) {
         let mut at = 0;
         while at < self.open.len() {

@@ -8,10 +8,10 @@ use crate::passes::fact_prover::Event;
 use rpi_image::{DevicePortNames, Presence, Role, Type, Value};
 use rustc_hash::FxHashMap;
 
-/// Contents of all registers at the start of a cycle.
+/// Contents of all state elements (registers) of a cone at the start of a cycle, in the order of the registers.
 pub(super) type State<D> = Vec<Flow<D>>;
 
-/// Computation of one cycle of a net over concrete or symbolic values.
+/// Evaluation of one cycle of a net over concrete or symbolic values.
 pub(super) struct Cycle<'a, D: Domain> {
     pub(super) domain: &'a mut D,
     cone: &'a Cone<'a>,
@@ -19,11 +19,11 @@ pub(super) struct Cycle<'a, D: Domain> {
     flows: FxHashMap<PortRef, Flow<D>>,
     active: FxHashMap<FragmentId, D::Bool>,
     reset: FxHashMap<FragmentId, D::Bool>,
-    /// Contents of the primitives' memory slots at the end of the cycle, by register.
+    /// Contents of memory slots at the end of the cycle, by index of their register.
     cells: FxHashMap<usize, D::Value>,
 }
 
-/// Initial contents of the registers.
+/// Returns the contents of all registers at the start of the first cycle.
 pub(super) fn first_state<D: Domain>(domain: &mut D, cone: &Cone<'_>) -> State<D> {
     let registers = cone.registers.iter();
     registers
@@ -41,7 +41,7 @@ fn first<D: Domain>(domain: &mut D, ty: Type, content: Option<&Value>) -> Flow<D
 }
 
 impl<'a, D: Domain> Cycle<'a, D> {
-    /// Prepares the computation of a cycle from the state at its start.
+    /// Evaluates the nodes of the cone in a cycle, whose registers have the contents `state` at its start.
     pub(super) fn new(domain: &'a mut D, cone: &'a Cone<'a>, state: &'a State<D>) -> Self {
         let yes = domain.bit(true);
         let no = domain.bit(false);
@@ -60,7 +60,7 @@ impl<'a, D: Domain> Cycle<'a, D> {
         cycle
     }
 
-    /// Whether an event occurs: its fragment is active and its flows are present.
+    /// Returns whether an event occurs in the cycle: its fragment is active and its flows are present.
     pub(super) fn occurs(&mut self, event: &Event) -> D::Bool {
         let active = self.activity(event.fragment);
         let mut all = active;
@@ -71,13 +71,13 @@ impl<'a, D: Domain> Cycle<'a, D> {
         all
     }
 
-    /// Whether a flow is present and true.
+    /// Returns whether a Boolean flow is present and true in the cycle.
     pub(super) fn is_true(&mut self, port: PortRef) -> D::Bool {
         let flow = self.flow(port);
         self.domain.is_true(&flow)
     }
 
-    /// Value and presence of a flow as any reader sees it: absent while its fragment is inactive.
+    /// Returns the value and presence of a flow in the cycle. A flow is absent while its fragment is inactive.
     pub(super) fn flow(&mut self, port: PortRef) -> Flow<D> {
         if let Some(flow) = self.flows.get(&port) {
             return flow.clone();
@@ -90,7 +90,7 @@ impl<'a, D: Domain> Cycle<'a, D> {
         flow
     }
 
-    /// Contents of all registers after the cycle.
+    /// Returns the contents of all registers at the start of the next cycle.
     pub(super) fn next_state(mut self) -> State<D> {
         let cone = self.cone;
         let places = 0..cone.registers.len();
@@ -125,7 +125,8 @@ impl<'a, D: Domain> Cycle<'a, D> {
         self.domain.choose_flow(active, &new, &kept)
     }
 
-    /// Content of a register at the start of the cycle, reset if the fragment of the register is.
+    /// Returns the content of the register with the index `place` at the start of the cycle; its initial content if the
+    /// fragment that owns the register is reset.
     fn register_content(&mut self, place: usize) -> Flow<D> {
         let register = &self.cone.registers[place];
         let fresh = self.is_reset(register.owner);
@@ -138,7 +139,7 @@ impl<'a, D: Domain> Cycle<'a, D> {
         Some(self.register_content(place))
     }
 
-    /// Whether a fragment is active, which requires that all enclosing ones are.
+    /// Returns whether a fragment is active in the cycle, which requires that all enclosing fragments are.
     fn activity(&mut self, id: FragmentId) -> D::Bool {
         if let Some(known) = self.active.get(&id) {
             return *known;
@@ -160,7 +161,8 @@ impl<'a, D: Domain> Cycle<'a, D> {
         active
     }
 
-    /// Whether the condition of an activation holds.
+    /// Returns whether the condition of a fragment holds in the cycle. `if_absent` is the meaning of an absent
+    /// condition.
     fn condition_holds(&mut self, condition: PortRef, if_absent: AbsentPolicy) -> D::Bool {
         let flow = self.flow(condition);
         match if_absent {
@@ -174,7 +176,7 @@ impl<'a, D: Domain> Cycle<'a, D> {
         }
     }
 
-    /// Whether the state of a fragment is reset in this cycle.
+    /// Returns whether the state of a fragment is reset in the cycle, by the fragment itself or an enclosing one.
     fn is_reset(&mut self, id: FragmentId) -> D::Bool {
         if let Some(known) = self.reset.get(&id) {
             return *known;
@@ -241,7 +243,7 @@ impl<'a, D: Domain> Cycle<'a, D> {
         }
     }
 
-    /// Outputs of a node, assuming that its fragment is active.
+    /// Returns the outputs of a node in the cycle, provided that its fragment is active (`active`).
     fn evaluate(&mut self, id: NodeId, node: &Node, active: D::Bool) -> Vec<Flow<D>> {
         match node.desc().role {
             Role::Constant => {
@@ -325,7 +327,8 @@ impl<'a, D: Domain> Cycle<'a, D> {
         outputs.map(|value| Flow { present, value }).collect()
     }
 
-    /// Outputs of a primitive of which only the presence rule is known: their values are unconstrained.
+    /// Returns unconstrained values for the outputs of a primitive that is not modelled. Only its presence rule is
+    /// known. `inputs` are its inputs; `None` if it has state.
     fn unknown(
         &mut self,
         id: NodeId,
@@ -360,7 +363,7 @@ impl<'a, D: Domain> Cycle<'a, D> {
     }
 }
 
-/// External source from which an out-port gets its value.
+/// Returns the external source from which an out-port of a node gets its value.
 fn source(id: NodeId, node: &Node, port: u8) -> Source {
     let text = |name: &str| {
         let value = node.desc().param(name).and_then(|at| node.params.get(at));

@@ -4,24 +4,24 @@
 use crate::net::{Node, PortRef};
 use rpi_image::{CommandFlow, Type, Value};
 
-/// Source of a value that the net itself does not compute.
+/// Source of a value that enters the net from outside, or that the model checker does not compute.
 #[derive(Clone, PartialEq, Eq, PartialOrd, Ord, Hash, Debug)]
 pub(super) enum Source {
-    /// Flow that the control core provides. All nodes that read it read the same value.
+    /// Flow that the control core provides, such as the time. All nodes that read it get the same value.
     Core(CommandFlow),
-    /// Port of a device.
+    /// Sensor port of a device; `index` selects one of several equal ports.
     Sensor {
         device: String,
         port: String,
         index: i64,
     },
-    /// Input of the command that is set from outside, by key.
+    /// Input of the command that the host sets, by its key.
     Outside(String),
-    /// Out-port of a primitive that is not modelled, so that its value is unconstrained.
+    /// Out-port of a primitive that is not modelled. Its value is unconstrained.
     Port(PortRef),
 }
 
-/// Flow in one cycle: its presence, and its value if it is present.
+/// Flow in one cycle: whether it is present, and its value, which has a meaning only if it is present.
 #[derive(Debug)]
 pub(super) struct Flow<D: Domain + ?Sized> {
     pub(super) present: D::Bool,
@@ -38,31 +38,33 @@ impl<D: Domain + ?Sized> Clone for Flow<D> {
     }
 }
 
-/// Operations on Booleans and values for the computation of a cycle, with concrete or with symbolic values.
+/// Operations on Booleans and values with which a cycle is evaluated. There are a concrete and a symbolic
+/// implementation.
 pub(super) trait Domain {
-    /// Representation of a Boolean: `bool` for concrete values, a formula for symbolic ones.
+    /// Representation of a Boolean: a truth value for concrete execution, a literal of the solver for symbolic
+    /// execution.
     type Bool: Copy + std::fmt::Debug;
-    /// Type of a value of any flow type in the domain.
+    /// Representation of the value of a flow of any type.
     type Value: Clone + std::fmt::Debug;
 
     fn bit(&self, value: bool) -> Self::Bool;
     fn not(&mut self, a: Self::Bool) -> Self::Bool;
     fn and(&mut self, a: Self::Bool, b: Self::Bool) -> Self::Bool;
-    /// Converts a constant of the net to a value.
+    /// Converts a constant of the net to a value of the domain.
     fn constant(&mut self, value: &Value) -> Self::Value;
-    /// Converts a Boolean to a value.
+    /// Converts a Boolean of the domain to the value of a Boolean flow.
     fn boolean(&mut self, bit: Self::Bool) -> Self::Value;
-    /// Converts a Boolean value to a Boolean.
+    /// Converts the value of a Boolean flow to a Boolean of the domain.
     fn truth(&mut self, value: &Self::Value) -> Self::Bool;
     fn choose(&mut self, condition: Self::Bool, yes: &Self::Value, no: &Self::Value)
     -> Self::Value;
-    /// Returns the external value of a source in this cycle, which may be absent if `may_be_absent`.
+    /// Returns the external value of a source in the current cycle. It may be absent if `may_be_absent` is true.
     fn source(&mut self, source: Source, ty: Type, may_be_absent: bool) -> Flow<Self>;
-    /// Applies a stateless primitive with strict presence to inputs that are all present. `runs` says whether they are
-    /// and the fragment is active.
+    /// Returns the outputs of a stateless primitive whose outputs are present exactly if all inputs are. `runs` is true
+    /// if all inputs are present and the fragment is active.
     fn apply(&mut self, node: &Node, inputs: &[Self::Value], runs: Self::Bool) -> Vec<Self::Value>;
-    /// Returns an unconstrained out-port. It is present if `surely` holds, and absent unless `runs` holds. `inputs` are
-    /// the flows that it depends on; `None` if it has state of its own.
+    /// Returns an unconstrained value for an out-port. The out-port is present if `surely` is true, and absent if
+    /// `runs` is false. `inputs` are the flows on which it depends; `None` if the primitive has state.
     fn unknown(
         &mut self,
         port: (PortRef, &Node),
@@ -103,7 +105,7 @@ pub(super) trait Domain {
         }
     }
 
-    /// Returns whether a Boolean flow has a value in the cycle, and the value is true.
+    /// Returns whether a Boolean flow is present in the cycle and true.
     fn is_true(&mut self, flow: &Flow<Self>) -> Self::Bool {
         let value = self.truth(&flow.value);
         self.and(flow.present, value)

@@ -1,25 +1,25 @@
 //! Order-preserving map from doubles to integers: adjacent doubles map to adjacent integers, and both zeros map to 0.
 
-/// Rank of a double, which must not be NaN, in the order of all doubles: an integer that grows by 1 from one double to
-/// the next.
+/// Returns the rank of a double in the order of all doubles: an integer that grows by 1 from one double to the next.
+/// `value` must not be NaN.
 pub(super) fn position(value: f64) -> i64 {
     let bits = value.to_bits().cast_signed();
     if bits < 0 { -(bits & i64::MAX) } else { bits }
 }
 
-/// Double with this rank.
+/// Returns the double with this rank in the order of all doubles, in which neighbours differ by 1.
 pub(super) fn double_at(place: i64) -> f64 {
     let size = f64::from_bits(place.unsigned_abs());
     if place < 0 { -size } else { size }
 }
 
-/// Rank of positive infinity; that of negative infinity is its negation.
+/// Returns the rank of positive infinity in the order of all doubles. The rank of negative infinity is its negation.
 pub(super) fn max_position() -> i64 {
     position(f64::INFINITY)
 }
 
-/// Binary search for the greatest rank up to `high` at which `holds` is true. `holds` must be true up to some position
-/// and false beyond; `None` if it is false at `low`.
+/// Returns the greatest number from `low` to `high` for which `holds` is true, by binary search; `None` if it is false
+/// for `low`. `holds` must be true up to some number and false beyond.
 pub(super) fn last_where(low: i64, high: i64, holds: impl Fn(i64) -> bool) -> Option<i64> {
     if !holds(low) {
         return None;

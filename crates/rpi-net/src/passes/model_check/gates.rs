@@ -6,7 +6,8 @@ use super::domain::{Domain, Flow};
 use crate::net::Node;
 use rpi_image::{Role, Type, Value};
 
-/// Primitive whose function the model checker knows.
+/// Primitive whose presence and value the model checker computes exactly: a logic gate, or a primitive with state such
+/// as a latch.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub(super) enum Gate {
     And,
@@ -23,7 +24,7 @@ pub(super) enum Gate {
     Hold,
 }
 
-/// Type prefixes of the primitives that exist for each type.
+/// Types that occur as prefixes in the names of primitives, such as `IntHold`.
 const TYPES: [&str; 9] = [
     "Boolean", "Int", "Double", "Time", "Vector", "Rotation", "Frame", "Twist", "Wrench",
 ];
@@ -57,7 +58,7 @@ impl Gate {
         }
     }
 
-    /// Initial contents of the primitive's memory slots.
+    /// Returns the initial contents of the primitive's memory slots; empty for a stateless primitive.
     pub(super) fn initial_state(self, node: &Node) -> Vec<Value> {
         let no = Value::bool(false);
         let neutral = || {
@@ -73,7 +74,8 @@ impl Gate {
         }
     }
 
-    /// Output of a stateless primitive in an active cycle; `None` for a primitive with state.
+    /// Returns the output of a stateless primitive in a cycle in which its fragment is active; `None` for a primitive
+    /// with state.
     pub(super) fn output<D: Domain>(self, domain: &mut D, inputs: &[Flow<D>]) -> Option<Flow<D>> {
         Some(match (self, inputs) {
             (Gate::And, [a, b]) => and(domain, a, b),
@@ -109,7 +111,8 @@ impl Gate {
         })
     }
 
-    /// Output of a primitive with state and its next state; `None` for a stateless primitive.
+    /// Returns the output of a primitive with state and its next state; `None` for a stateless primitive. `memory` is
+    /// its state at the start of the cycle.
     pub(super) fn step<D: Domain>(
         self,
         domain: &mut D,
@@ -159,7 +162,7 @@ impl<D: Domain> Flow<D> {
     }
 }
 
-/// Boolean flow that is always present.
+/// Returns a Boolean flow that is present in the cycle and has the value `bit`.
 pub(super) fn always_present<D: Domain>(domain: &mut D, bit: D::Bool) -> Flow<D> {
     Flow {
         present: domain.bit(true),
@@ -176,7 +179,7 @@ fn not<D: Domain>(domain: &mut D, a: &Flow<D>) -> Flow<D> {
     }
 }
 
-/// Conjunction in strong Kleene logic (1952): false if one operand is false, even if the other is absent.
+/// Returns the conjunction in strong Kleene logic (1952): false if one operand is false, even if the other is absent.
 fn and<D: Domain>(domain: &mut D, a: &Flow<D>, b: &Flow<D>) -> Flow<D> {
     let values = [a, b].map(|x| domain.truth(&x.value));
     let refuted = [0, 1].map(|k| {

@@ -7,12 +7,12 @@
 use crate::solver::{LinearTerm, Lit, Solver};
 use rustc_hash::FxHashMap;
 
-/// Maximal nesting depth of choices, and maximal number of terms of a problem. Beyond them, a new variable replaces the
-/// term.
+/// Maximum nesting depth of conditional values in a term. A new variable replaces a deeper term.
 const DEPTH: u32 = 120;
+/// Maximum number of terms in a problem of the solver. A new variable replaces each further term.
 const TERMS: usize = 60_000;
 
-/// Index of an integer term.
+/// Index of an integer term in the table [`Integers`].
 #[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Debug)]
 pub(super) struct IntId(u32);
 
@@ -22,7 +22,7 @@ pub(super) enum IntTerm {
     Choice(Lit, IntId, IntId),
 }
 
-/// Table of all integer terms of a problem. Equal terms are stored once (hash-consing).
+/// Table of all integer terms in a problem of the solver. Equal terms are stored once (hash-consing).
 #[derive(Debug, Default)]
 pub(super) struct Integers {
     terms: Vec<(IntTerm, u32)>,
@@ -39,7 +39,7 @@ impl Integers {
         &self.terms[int.0 as usize].0
     }
 
-    /// Value of a constant term; `None` for other terms.
+    /// Returns the value of a constant term; `None` for other terms.
     pub(super) fn as_constant(&self, int: IntId) -> Option<i64> {
         match self.term(int) {
             IntTerm::Sum(sum) if sum.terms.is_empty() => Some(sum.constant),
@@ -51,7 +51,7 @@ impl Integers {
         self.sum(LinearTerm::constant(value))
     }
 
-    /// Creates an integer variable with inclusive bounds.
+    /// Creates an integer variable from `low` to `high`, both included.
     pub(super) fn fresh(&mut self, solver: &mut Solver, low: i64, high: i64) -> IntId {
         let variable = solver.integer(low, high);
         self.sum(LinearTerm::variable(variable))
@@ -160,7 +160,7 @@ impl Integers {
         self.add_scaled(solver, zero, a, factor)
     }
 
-    /// Product of two terms; `None` unless one of them is constant.
+    /// Returns the product of two terms; `None` unless one of them is constant.
     pub(super) fn times(&mut self, solver: &mut Solver, a: IntId, b: IntId) -> Option<IntId> {
         match (self.as_constant(a), self.as_constant(b)) {
             (Some(factor), _) => Some(self.scaled(solver, b, factor)),
@@ -169,7 +169,7 @@ impl Integers {
         }
     }
 
-    /// Literal that is true exactly if the term is at most 0.
+    /// Returns a literal that is true exactly if the term is at most 0.
     pub(super) fn at_most_zero(&mut self, solver: &mut Solver, int: IntId) -> Lit {
         if let Some(known) = self.signs.get(&int) {
             return *known;
@@ -191,8 +191,8 @@ impl Integers {
         self.at_most_zero(solver, difference)
     }
 
-    /// Literal that is true exactly if the term fits in `i64`. An operation that is not evaluated may have a result
-    /// that does not fit.
+    /// Returns a literal that is true exactly if the value of the term fits in `i64`. It need not fit if the operation
+    /// is not evaluated in the cycle.
     fn fits(&mut self, solver: &mut Solver, int: IntId) -> Lit {
         if let Some(known) = self.fitting.get(&int) {
             return *known;
@@ -214,7 +214,8 @@ impl Integers {
         solver.and(up, down)
     }
 
-    /// Quotient and remainder of the division by a non-zero constant, truncated towards 0.
+    /// Returns the quotient, truncated towards 0, and the remainder of the division by a non-zero constant; `None` on
+    /// overflow.
     pub(super) fn div_rem(
         &mut self,
         solver: &mut Solver,
@@ -263,8 +264,11 @@ impl Integers {
     }
 }
 
-/// Bounds on the remainder of a division by `size`, each a sum that is at most 0 unless its literal is true. The
-/// remainder has the sign of the dividend: it is 0 to `size - 1`, or `1 - size` to 0. Returns `None` on an overflow.
+/// Returns bounds on the remainder `rest` of a division by `size`: sums that are at most 0 unless the literal with them
+/// is true.
+///
+/// The remainder has the sign of the dividend: it is 0 to `size - 1`, or `1 - size` to 0 if `is_negative` is true.
+/// Returns `None` on an overflow.
 fn remainder_bounds(
     is_negative: Lit,
     rest: &LinearTerm,

@@ -8,7 +8,8 @@ use crate::net::Node;
 use crate::solver::Lit;
 
 impl SymbolicDomain {
-    /// Output of a primitive whose function the symbolic domain knows; `None` for others.
+    /// Returns the output of a primitive for symbolic inputs if the symbolic domain knows its function; `None` for
+    /// other primitives.
     pub(super) fn interpret(&mut self, node: &Node, inputs: &[Term]) -> Option<Term> {
         let name = node.desc().name.split_once("::")?.1;
         if let Some(operation) = name.strip_prefix("GuardedInt") {
@@ -93,7 +94,8 @@ impl SymbolicDomain {
         })
     }
 
-    /// Literal that is true exactly if two integers differ by at most `slack`.
+    /// Returns a Boolean term that is true exactly if two integers differ by at most `slack`; `None` if the inputs are
+    /// not two integers.
     fn equal_within_slack(&mut self, inputs: &[Term], slack: i64) -> Option<Term> {
         let [Term::Int(a), Term::Int(b)] = inputs else {
             return None;

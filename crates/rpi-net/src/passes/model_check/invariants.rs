@@ -10,12 +10,17 @@ use super::symbolic::{SymbolicDomain, Term};
 use super::unrolling::Unrolling;
 use crate::solver::{Lit, SatResult};
 
-/// Maximal number of facts of which invariants are made.
+/// Maximum number of facts from which invariants of two facts are made. The number of pairs grows with its square.
 const FACTS: usize = 56;
+/// Maximum number of different sampled values of an integer register for which facts about single values are made. A
+/// register with more values gets no such facts.
 const VALUES: usize = 12;
+/// Maximum number of integer registers whose sums and differences are examined for invariants. The number of pairs
+/// grows with its square.
 const INTEGERS: usize = 12;
 
-/// Atomic proposition about the content of a register, of which candidate invariants are made.
+/// Atomic statement about the content of a register (state element), identified by its index. Candidate invariants
+/// consist of facts.
 #[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Debug)]
 pub(super) enum Fact {
     Present(usize),
@@ -24,12 +29,13 @@ pub(super) enum Fact {
     Equals(usize, i64),
 }
 
-/// Candidate invariant of a net, proposed by samples of runs and proved or refuted by the solver.
+/// Candidate invariant of a net. Samples of runs propose it, and the solver proves or refutes it.
 #[derive(Clone, PartialEq, Eq, Debug)]
 pub(super) enum Candidate {
-    /// Disjunction: one of the facts has the given truth value.
+    /// Disjunction of facts: at least one of them has the truth value given with it.
     Clause(Vec<(Fact, bool)>),
-    /// `a + factor * b = sum`: registers `a` and `b`, `factor` (1 or -1), `sum`.
+    /// Linear relation `a + factor * b = sum` of two integer registers: the indices of `a` and `b`, `factor` (1 or -1)
+    /// and `sum`.
     Sum(usize, usize, i64, i64),
 }
 
@@ -99,7 +105,8 @@ impl Candidate {
     }
 }
 
-/// Candidates that hold in all samples.
+/// Returns the candidate invariants that hold in all samples. A sample is the contents of all registers at the start of
+/// a cycle.
 pub(super) fn candidates(samples: &[Sample]) -> Vec<Candidate> {
     let Some(first) = samples.first() else {
         return Vec::new();
@@ -147,7 +154,8 @@ pub(super) fn candidates(samples: &[Sample]) -> Vec<Candidate> {
     guesses
 }
 
-/// Candidates that say that the sum or difference of two integers is the same in all samples.
+/// Returns candidates of the form "the sum (or difference) of two integer registers is constant" that hold in all
+/// samples. `integers` are the indices of these registers.
 fn sums(samples: &[Sample], integers: &[usize]) -> Vec<Candidate> {
     let integers = &integers[..integers.len().min(INTEGERS)];
     let mut found = Vec::new();
@@ -171,8 +179,8 @@ fn sums(samples: &[Sample], integers: &[usize]) -> Vec<Candidate> {
     found
 }
 
-/// Candidates that say that a fact never changes, or that at least one of a pair of facts always has the given truth
-/// value.
+/// Returns candidates that hold in all samples and consist of facts: one that never changes, or a pair of which at
+/// least one always has the given truth value.
 fn clauses(samples: &[Sample], facts: &[Fact]) -> Vec<Candidate> {
     let mut found = Vec::new();
     let mut columns: Vec<(Fact, Vec<bool>)> = Vec::new();
@@ -197,8 +205,11 @@ fn clauses(samples: &[Sample], facts: &[Fact]) -> Vec<Candidate> {
     found
 }
 
-/// Returns the largest inductive subset of the candidates, which must hold in the first cycle. `unrolled` must contain
-/// exactly one cycle from an arbitrary state.
+/// Returns the largest subset of the candidates that is inductive: if it holds before a cycle, it holds after the
+/// cycle.
+///
+/// The candidates must hold in the first cycle, and `unrolled` must contain exactly one cycle from an arbitrary state.
+/// The result is empty if the step budget `steps` is exhausted.
 pub(super) fn inductive_subset(
     unrolled: &mut Unrolling<'_>,
     guesses: Vec<Candidate>,
@@ -238,7 +249,7 @@ pub(super) fn inductive_subset(
     open.into_iter().map(|(guess, _, _)| guess).collect()
 }
 
-/// Adds the invariants of the state at the start of a cycle to the problem.
+/// Requires the invariants for the state at the start of the cycle with the index `cycle`.
 pub(super) fn require(unrolled: &mut Unrolling<'_>, invariants: &[Candidate], cycle: usize) {
     let Some(state) = unrolled.states.get(cycle).cloned() else {
         return;

@@ -37,42 +37,42 @@ use trace::{Exploration, Trace};
 use unrolling::Unrolling;
 pub(crate) use witness::Witness;
 
-/// Maximal number of nodes in the cone of influence that is modelled.
+/// Maximum number of nodes in the cone of influence of the queries. Nodes further away are not modelled.
 const NODES: usize = 3_000;
-/// Step budget of the solver per net: some tenths of a second.
+/// Step budget of the solver per net, equal to some tenths of a second.
 const STEPS: u64 = 6_000_000;
-/// Maximal number of node evaluations in random runs per net.
+/// Maximum number of node evaluations in random runs per net. Bounds the compile time.
 const RUN_BUDGET: u64 = 60_000;
-/// Maximal number of node evaluations in the first random runs, before any proof is tried.
+/// Maximum number of node evaluations in the first random runs, before any proof is tried.
 const FEW_RUNS: u64 = 3_000;
-/// Maximal number of node evaluations in long random runs per net.
+/// Maximum number of node evaluations in long random runs per net. Bounds the compile time.
 const LONG_RUNS: u64 = 120_000;
-/// Maximal number of Boolean variables of a problem.
+/// Number of Boolean variables in a problem of the solver above which it is not unrolled further.
 const MAX_VARIABLES: usize = 150_000;
-/// Maximal number of cycles in bounded model checking from the start.
+/// Maximum number of cycles, from the start of the command, in bounded model checking.
 const BMC_DEPTH: usize = 10;
-/// Maximal number of cycles of a k-induction.
+/// Maximum number of cycles in the assumption of a k-induction.
 const INDUCTION: usize = 3;
 
-/// Result for a pair of events.
+/// Result of the model checker for the question of whether two events can occur in the same cycle.
 #[derive(Clone, PartialEq, Eq, Debug)]
 pub(crate) enum Verdict {
-    /// Proved never to occur in the same cycle.
+    /// The events are proved never to occur in the same cycle, by this method.
     Exclusive(Method),
-    /// Example run in which both occur in the same cycle.
+    /// Both events occur in the same cycle of this example run.
     Witnessed(Witness),
-    /// Neither proved exclusive nor witnessed within the limits.
+    /// Neither a proof nor an example run was found within the limits.
     Undecided,
 }
 
-/// Method by which events were proved exclusive.
+/// Method by which the model checker proved that two events never occur in the same cycle.
 #[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Debug)]
 pub(crate) enum Method {
-    /// Proof for one cycle from an arbitrary state.
+    /// Proof for one cycle that starts in an arbitrary state.
     SingleCycle,
-    /// k-induction over this many cycles.
+    /// k-induction that assumes the property for this number of preceding cycles.
     Induction(usize),
-    /// Induction strengthened with this many invariants.
+    /// Induction that uses this number of invariants of the net.
     Invariants(usize),
 }
 
@@ -86,7 +86,7 @@ impl fmt::Display for Method {
     }
 }
 
-/// Decides for each pair whether both events can occur in the same cycle.
+/// Returns for each pair of events whether both can occur in the same cycle, with a proof or an example run.
 pub(crate) fn decide(
     background: ProofContext<'_>,
     schedule: &Schedule,
@@ -100,7 +100,7 @@ pub(crate) fn decide(
         .collect()
 }
 
-/// Whether it is proved that at least one of these events occurs in every cycle.
+/// Returns whether it is proved that at least one of these events occurs in every cycle.
 pub(crate) fn always_one(
     background: ProofContext<'_>,
     schedule: &Schedule,
@@ -141,14 +141,15 @@ fn solve_queries(
     decision.verdicts
 }
 
-/// Decision procedure for some queries: it tries random runs, bounded model checking and induction, and keeps the
-/// verdicts found so far.
+/// Decision procedure for queries about a net. It tries random runs, bounded model checking and induction, and stores
+/// the verdicts found so far.
 struct QuerySolver<'a> {
     question: &'a Problem<'a>,
     pool: &'a BoundaryValues,
     verdicts: Vec<Option<Verdict>>,
-    /// Remaining steps of the solver and remaining node evaluations in runs.
+    /// Number of steps that the solver may still take for this net.
     steps: u64,
+    /// Number of node evaluations that random runs may still take for this net.
     runs: u64,
 }
 
@@ -182,7 +183,7 @@ impl QuerySolver<'_> {
         self.in_long_runs();
     }
 
-    /// Decides the queries about a command that ends in its first cycle.
+    /// Decides the remaining queries for a command that always ends in its first cycle.
     fn in_first_cycle(&mut self) {
         self.bounded_model_check(1);
         let free = self.cycles_free_of_event(1);
@@ -200,7 +201,8 @@ impl QuerySolver<'_> {
             .collect()
     }
 
-    /// Searches witnesses in random runs with at most `nodes` node evaluations.
+    /// Searches example runs for the undecided queries in random runs with at most `nodes` node evaluations. Returns
+    /// the runs and samples of their states.
     fn explore(&mut self, mut nodes: u64) -> Exploration {
         let open = self.open();
         let seen = trace::explore(self.question, self.pool, &open, &mut nodes);
@@ -218,7 +220,7 @@ impl QuerySolver<'_> {
         self.verdicts[pair] = Some(Verdict::Witnessed(witness));
     }
 
-    /// Proves those queries impossible that cannot be satisfied in a cycle from any state, reachable or not.
+    /// Decides the queries that no cycle can satisfy, whatever the state at its start, reachable or not.
     fn single_cycle_proof(&mut self) {
         let open = self.open();
         if open.is_empty() {
@@ -233,7 +235,7 @@ impl QuerySolver<'_> {
         }
     }
 
-    /// Searches witnesses by bounded model checking from the start with up to `cycles` cycles.
+    /// Searches example runs for the undecided queries by bounded model checking of the first `cycles` cycles.
     fn bounded_model_check(&mut self, cycles: usize) {
         if self.open().is_empty() || self.steps == 0 {
             return;
@@ -277,7 +279,8 @@ impl QuerySolver<'_> {
         }
     }
 
-    /// Proves the remaining queries impossible by k-induction, strengthened by invariants.
+    /// Proves undecided queries impossible by k-induction, strengthened by invariants that the samples in `seen`
+    /// suggest.
     fn k_induction(&mut self, seen: &Exploration) {
         if self.open().is_empty() || self.question.cone.registers.is_empty() {
             return;
@@ -306,7 +309,7 @@ impl QuerySolver<'_> {
         }
     }
 
-    /// For each query, the number of cycles from the start that are proved not to satisfy it, at most `cycles`.
+    /// Returns for each query the number of cycles from the start that are proved not to satisfy it, at most `cycles`.
     fn cycles_free_of_event(&mut self, cycles: usize) -> Vec<usize> {
         let mut free = vec![0; self.verdicts.len()];
         let mut unrolled = Unrolling::from_start(self.question);
@@ -322,7 +325,7 @@ impl QuerySolver<'_> {
     }
 }
 
-/// Method of a proof by induction over some cycles that needed some number of invariants.
+/// Returns the method of a proof by induction over `cycles` cycles that used a number of invariants.
 fn induction_method(cycles: usize, invariants: usize) -> Method {
     match invariants {
         0 => Method::Induction(cycles),

@@ -6,17 +6,17 @@ use super::domain::Domain;
 use crate::net::{Input, Net, PortRef, ResultKind, Termination};
 use crate::passes::fact_prover::Event;
 
-/// Condition on one cycle, about which the model checker decides whether it can be satisfied.
+/// Condition on one cycle. The model checker decides whether any cycle of the command satisfies it.
 #[derive(Clone, Debug)]
 pub(super) enum Query {
-    /// Both events occur.
+    /// Both events occur in the same cycle.
     Both([Event; 2]),
-    /// None of these events occurs.
+    /// None of these events occurs in the cycle.
     Neither(Vec<Event>),
 }
 
 impl Query {
-    /// Events that the condition is about.
+    /// Returns the events that the condition is about.
     pub(super) fn events(&self) -> &[Event] {
         match self {
             Query::Both(both) => both,
@@ -24,7 +24,7 @@ impl Query {
         }
     }
 
-    /// Whether a cycle satisfies the condition.
+    /// Returns whether the cycle satisfies the condition.
     pub(super) fn is_satisfied<D: Domain>(&self, cycle: &mut Cycle<'_, D>) -> D::Bool {
         let mut is = cycle.domain.bit(true);
         for event in self.events() {
@@ -39,17 +39,18 @@ impl Query {
     }
 }
 
-/// Queries with the part of the net that decides them, as the model checker solves them.
+/// Input of the model checker: queries, and the part of the net that decides them.
 pub(super) struct Problem<'a> {
     pub(super) cone: Cone<'a>,
     pub(super) events: Vec<Query>,
-    /// Flows that end the command when one of them is true, so that no further cycle follows.
+    /// Flows each of which ends the command in a cycle in which it is true.
     pub(super) ends: Vec<PortRef>,
     /// Whether the command always ends in its first cycle.
     pub(super) ends_at_once: bool,
 }
 
-/// Conditions each of which ends a command on its own. A `yield` is not among them, since it needs a successor.
+/// Returns the conditions each of which ends a command on its own. The condition of a `yield` is not among them, since
+/// it also needs a successor.
 pub(super) fn ends(net: &Net) -> Vec<PortRef> {
     let Termination::Results(results) = &net.termination else {
         return Vec::new();
@@ -60,7 +61,7 @@ pub(super) fn ends(net: &Net) -> Vec<PortRef> {
     sure.filter_map(|result| result.condition.port()).collect()
 }
 
-/// Whether a command always ends in its first cycle.
+/// Returns whether a command always ends in its first cycle, because the condition of a result is constantly true.
 pub(super) fn ends_at_once(net: &Net) -> bool {
     let Termination::Results(results) = &net.termination else {
         return false;

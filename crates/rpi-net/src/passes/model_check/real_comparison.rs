@@ -6,7 +6,7 @@ use super::real_functions::{Binary, Unary};
 use super::reals::{DEPTH, RealId, RealTerm, Reals, TERMS};
 use crate::solver::{LinearTerm, Lit, Solver};
 
-/// Comparison `a < b` if `is_strict`, otherwise `a <= b`.
+/// Comparison of two real terms: `a < b` if `is_strict` is true, otherwise `a <= b`.
 #[derive(Clone, Copy)]
 struct Comparison {
     a: RealId,
@@ -20,14 +20,15 @@ impl Comparison {
     }
 }
 
-/// Table of integer terms and solver, to which comparisons of reals add terms and literals.
+/// Table of integer terms and solver, to which the encoding of real comparisons adds terms and literals.
 pub(super) struct TermContext<'a> {
     pub(super) integers: &'a mut Integers,
     pub(super) solver: &'a mut Solver,
 }
 
 impl Reals {
-    /// Literal for `a < b` if `is_strict`, otherwise for `a <= b`. False if an operand is NaN.
+    /// Returns a literal for `a < b` if `is_strict` is true, otherwise for `a <= b`. The literal is false if an operand
+    /// is NaN.
     pub(super) fn compare(
         &mut self,
         around: &mut TermContext<'_>,
@@ -108,8 +109,9 @@ impl Reals {
         }
     }
 
-    /// Compares `x - y` with 0 by comparing `x` with `y`. This is exact, since different doubles have a non-zero
-    /// difference; that of equal infinities is NaN.
+    /// Returns a literal for the comparison of `difference`, which is `x - y`, with 0. It compares `x` with `y`.
+    ///
+    /// This is exact, since the difference of unequal doubles is not 0. The difference of equal infinities is NaN.
     fn compare_difference(
         &mut self,
         around: &mut TermContext<'_>,
@@ -122,8 +124,8 @@ impl Reals {
         around.solver.and(order, !nan)
     }
 
-    /// Reduces a comparison of a function of one term with a constant to a comparison of that term; `None` if the
-    /// function is not monotone.
+    /// Reduces the comparison of a function of one term with a constant to a comparison of that term. `is_left` is true
+    /// if the function is the left operand. `None` if the function is not monotone.
     fn reduce_monotone(
         &mut self,
         around: &mut TermContext<'_>,
@@ -165,8 +167,8 @@ impl Reals {
         }
     }
 
-    /// Literal for a comparison of a term with the rank `turn` at which a function changes: at most there if `up_to`,
-    /// otherwise beyond. False for NaN.
+    /// Returns a literal for a comparison of `argument` with the double of rank `turn`: at most that double if `up_to`
+    /// is true, otherwise above it. The literal is false for NaN. The rank `None` lies below all doubles.
     fn compare_with_turn(
         &mut self,
         around: &mut TermContext<'_>,
@@ -186,8 +188,8 @@ impl Reals {
         around.solver.and(reached, !nan)
     }
 
-    /// Literal for a comparison of two terms by their ranks in the order of doubles, without knowledge of the
-    /// operations that compute them.
+    /// Returns a literal for a comparison of two terms by their ranks in the order of doubles. It ignores the
+    /// operations that compute the terms.
     fn compare_places(&mut self, around: &mut TermContext<'_>, comparison: Comparison) -> Lit {
         let Comparison { a, b, is_strict } = comparison;
         let (left, right) = (
@@ -213,8 +215,11 @@ fn is_zero(bits: u64) -> bool {
     f64::from_bits(bits) == 0.0
 }
 
-/// Literal for a comparison with the minimum or maximum of two terms. It holds if one side does (`one_is_enough`),
-/// otherwise both must. A NaN operand is ignored unless both are NaN.
+/// Returns a literal for a comparison with the minimum or maximum of two terms. `sides` are the comparisons with each
+/// term, `nans` whether each is NaN.
+///
+/// One of the comparisons must hold if `one_is_enough` is true, otherwise both. A NaN operand is ignored unless both
+/// are NaN.
 fn compare_extreme(
     solver: &mut Solver,
     one_is_enough: bool,
@@ -230,7 +235,8 @@ fn compare_extreme(
     solver.and(both, !no_number)
 }
 
-/// Literal for a comparison of an integer with a constant real, whose truth value changes once over all integers.
+/// Returns a literal for a comparison of an integer with a constant real. `test` is its truth value for an integer; it
+/// changes at most once as the integer grows, from the value `begins_true`.
 fn compare_integer(
     around: &mut TermContext<'_>,
     int: IntId,

@@ -1,6 +1,6 @@
 //! Functions of doubles: the operations of real terms, and monotone functions of one argument.
 
-/// Operation on one real.
+/// Operation on one real number that the model checker knows.
 #[derive(Clone, Copy, PartialEq, Eq, Hash, Debug)]
 pub(super) enum Unary {
     Negate,
@@ -10,7 +10,7 @@ pub(super) enum Unary {
     Round,
 }
 
-/// Operation on two reals.
+/// Operation on two real numbers that the model checker knows.
 #[derive(Clone, Copy, PartialEq, Eq, Hash, Debug)]
 pub(super) enum Binary {
     Add,
@@ -21,13 +21,14 @@ pub(super) enum Binary {
     Maximum,
 }
 
-/// Monotone function of one double, used to reduce comparisons of its result to comparisons of its argument.
+/// Monotone function of one double, such as `x + 1.0`. A comparison of its result is reduced to a comparison of its
+/// argument.
 #[derive(Clone, Copy)]
 pub(super) struct Monotone {
     op: Result<Unary, Binary>,
     constant: f64,
     constant_first: bool,
-    /// Whether the function rises; otherwise it falls.
+    /// Whether the function rises with its argument; otherwise it falls.
     pub(super) rises: bool,
 }
 

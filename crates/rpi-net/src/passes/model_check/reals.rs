@@ -10,20 +10,21 @@ use super::real_functions::{Binary, Monotone, Unary, apply_binary, apply_unary};
 use crate::solver::{LinearTerm, Lit, Solver};
 use rustc_hash::FxHashMap;
 
-/// Maximal nesting depth of real terms; also the maximal number of terms of a problem.
+/// Maximum nesting depth of real terms. The value of a deeper term is unconstrained.
 pub(super) const DEPTH: u32 = 120;
+/// Maximum number of real terms in a problem of the solver. The values of further terms are unconstrained.
 pub(super) const TERMS: usize = 60_000;
 
-/// Index of a real term.
+/// Index of a real term in the table [`Reals`].
 #[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Debug)]
 pub(super) struct RealId(u32);
 
 #[derive(Clone, Copy, PartialEq, Eq, Hash, Debug)]
 pub(super) enum RealTerm {
-    /// Constant, as the bits of a double.
+    /// Constant, given by the bits of the double.
     Constant(u64),
-    /// Unconstrained real: its rank in the order of doubles as a solver variable, and the literal that is true if it is
-    /// NaN.
+    /// Unconstrained real: the solver variable of its rank in the order of doubles, and the literal that is true if it
+    /// is NaN.
     Free(usize, Lit),
     Unary(Unary, RealId),
     Binary(Binary, RealId, RealId),
@@ -31,15 +32,15 @@ pub(super) enum RealTerm {
     Choice(Lit, RealId, RealId),
 }
 
-/// Table of all real terms of a problem. Equal terms are stored once (hash-consing).
+/// Table of all real terms in a problem of the solver. Equal terms are stored once (hash-consing).
 #[derive(Debug, Default)]
 pub(super) struct Reals {
     terms: Vec<(RealTerm, u32)>,
     known: FxHashMap<RealTerm, RealId>,
-    /// Literals of the comparisons that have been encoded so far.
+    /// Literals of the comparisons encoded so far: `a < b` for the key `(a, b, true)`, `a <= b` for `(a, b, false)`.
     pub(super) comparisons: FxHashMap<(RealId, RealId, bool), Lit>,
     nans: FxHashMap<RealId, Lit>,
-    /// Solver variables for the ranks of terms whose operation the model does not know.
+    /// Solver variables for the ranks, in the order of doubles, of terms whose values are not computed exactly.
     places: FxHashMap<RealId, usize>,
 }
 
@@ -70,20 +71,20 @@ impl Reals {
         self.insert(RealTerm::FromInt(int), 0)
     }
 
-    /// Adds a real variable that may have any value.
+    /// Creates a real variable that may have any value, including NaN.
     pub(super) fn unconstrained(&mut self, solver: &mut Solver) -> RealId {
         let nan = solver.new_bool();
         let variable = solver.integer(-max_position(), max_position());
         self.insert(RealTerm::Free(variable, nan), 0)
     }
 
-    /// Creates an unconstrained finite real that is not negative.
+    /// Creates a real variable that may have any finite value from 0.
     pub(super) fn unconstrained_nonnegative(&mut self, solver: &mut Solver) -> RealId {
         let variable = solver.integer(0, max_position() - 1);
         self.insert(RealTerm::Free(variable, Lit::FALSE), 0)
     }
 
-    /// Rank and NaN literal of an unconstrained real; `None` for other terms.
+    /// Returns the rank, in the order of doubles, and the NaN literal of a real variable; `None` for other terms.
     pub(super) fn as_variable(&self, real: RealId) -> Option<(LinearTerm, Lit)> {
         match self.term(real) {
             RealTerm::Free(variable, nan) => Some((LinearTerm::variable(variable), nan)),
@@ -130,7 +131,7 @@ impl Reals {
         }
     }
 
-    /// Literal that is true exactly if a term is NaN.
+    /// Returns a literal that is true exactly if the term is NaN.
     pub(super) fn is_nan(&mut self, solver: &mut Solver, real: RealId) -> Lit {
         if let Some(known) = self.nans.get(&real) {
             return *known;
@@ -155,8 +156,8 @@ impl Reals {
         lit
     }
 
-    /// Decomposes a term into a monotone function and its argument; `None` if it is not one. The function maps numbers
-    /// to numbers.
+    /// Returns the argument and the function of a term that is a monotone function of another term; `None` for other
+    /// terms. The function never maps a number to NaN.
     pub(super) fn monotone(&self, real: RealId) -> Option<(RealId, Monotone)> {
         let usable =
             |value: f64, is_factor: bool| value.is_finite() && (!is_factor || value != 0.0);
@@ -183,8 +184,8 @@ impl Reals {
         }
     }
 
-    /// Rank of a real term in the order of all doubles, as a linear term over solver variables. It makes comparisons of
-    /// doubles comparisons of integers.
+    /// Returns the rank of a real term in the order of all doubles, as a linear term over solver variables. Ranks
+    /// reduce comparisons of doubles to comparisons of integers.
     pub(super) fn position(&mut self, solver: &mut Solver, real: RealId) -> LinearTerm {
         match self.term(real) {
             RealTerm::Constant(bits) => {
@@ -212,8 +213,10 @@ impl Reals {
     }
 }
 
-/// Literal that is true exactly if the result of a binary operation is NaN. The operands are the literals of its
-/// operands. A monotone function maps numbers to numbers; any other operation may be NaN for numbers, too.
+/// Returns a literal that is true exactly if the result of a binary operation is NaN. `left` and `right` are the
+/// literals for NaN operands.
+///
+/// A monotone operation gives NaN only for a NaN operand; any other operation may also give NaN for numbers.
 fn binary_is_nan(
     solver: &mut Solver,
     op: Binary,
@@ -230,7 +233,8 @@ fn binary_is_nan(
     }
 }
 
-/// Lowest position that a term without a known position can have. Squares and absolute values are not negative.
+/// Returns the lowest rank, in the order of doubles, that a term can have. Squares and absolute values are not
+/// negative.
 fn lowest_position(term: RealTerm) -> i64 {
     match term {
         RealTerm::Binary(Binary::Multiply, a, b) if a == b => 0,

@@ -10,17 +10,18 @@ use rpi_image::{CommandFlow, Scalar, Type, Value};
 use rustc_hash::FxHashMap;
 use std::collections::BTreeMap;
 
-/// Symbolic value of any type.
+/// Symbolic value of a flow: a literal or term of the solver.
 #[derive(Clone, Copy, PartialEq, Eq, Hash, Debug)]
 pub(super) enum Term {
     Bool(Lit),
     Int(IntId),
     Real(RealId),
-    /// Uninterpreted value, which can only be tested for identity.
+    /// Value of another type, such as a pose, identified by a number. It can only be tested for identity.
     Uninterpreted(u32),
 }
 
-/// Key of an operation: equal operations on equal values have equal results (uninterpreted functions).
+/// Application of a primitive to symbolic inputs, as a key of a table. Equal applications have equal results
+/// (uninterpreted functions).
 #[derive(Clone, PartialEq, Eq, Hash, Debug)]
 struct Operation {
     prim: u16,
@@ -32,16 +33,17 @@ struct Operation {
     inputs: Vec<(Lit, Term)>,
 }
 
-/// Symbolic execution of a net: terms for its flows over several cycles, and the solver with their constraints.
+/// Symbolic execution of a net over several cycles: the terms of its flows, and the solver with the constraints on
+/// them.
 pub(super) struct SymbolicDomain {
     pub(super) solver: Solver,
     pub(super) integers: Integers,
     pub(super) reals: Reals,
-    /// Index of the current cycle.
+    /// Index of the cycle that is being translated, counted from 0.
     pub(super) cycle: usize,
-    /// Whether cycle 0 is the first cycle of the command, rather than an arbitrary later one.
+    /// Whether cycle 0 is the first cycle of the command instead of an arbitrary later one.
     pub(super) is_from_start: bool,
-    /// External values that have been read, by source and cycle.
+    /// External values that the net has read, with their types, by source and index of the cycle.
     pub(super) sources: BTreeMap<(Source, usize), (Flow<SymbolicDomain>, Type)>,
     operations: FxHashMap<Operation, Flow<SymbolicDomain>>,
     choices: FxHashMap<(Lit, u32, u32), u32>,
@@ -70,7 +72,7 @@ impl SymbolicDomain {
         self.others
     }
 
-    /// Creates an unconstrained value.
+    /// Creates an unconstrained symbolic value of a type.
     pub(super) fn fresh(&mut self, ty: Type) -> Term {
         match ty {
             Type::Scalar(Scalar::Bool) => Term::Bool(self.solver.new_bool()),
@@ -82,7 +84,7 @@ impl SymbolicDomain {
         }
     }
 
-    /// Literal that is true exactly if `a` is at most `b`.
+    /// Returns a literal that is true exactly if `a` is at most `b`.
     pub(super) fn at_most(&mut self, a: IntId, b: IntId) -> Lit {
         self.integers.at_most(&mut self.solver, a, b)
     }
@@ -99,7 +101,8 @@ impl SymbolicDomain {
         self.reals.compare(&mut around, a, b, is_strict)
     }
 
-    /// Adds constraints on a flow of the core in successive cycles: time increases, and a cancel request persists.
+    /// Adds constraints between the values of a flow of the control core in successive cycles: the time increases, and
+    /// a cancel request persists.
     fn constrain_over_time(&mut self, flow: CommandFlow, value: &Flow<SymbolicDomain>) {
         let before = self.cycle.checked_sub(1).and_then(|before| {
             let key = (Source::Core(flow), before);
@@ -124,7 +127,7 @@ impl SymbolicDomain {
         }
     }
 
-    /// Creates a term for an external value. Time and period are known to be finite and not negative.
+    /// Creates a symbolic value for an external source. Time, period and speed override are finite and not negative.
     fn external_value(&mut self, source: &Source, ty: Type) -> Term {
         match source {
             Source::Core(CommandFlow::Time | CommandFlow::Period | CommandFlow::SpeedOverride)
@@ -152,7 +155,7 @@ impl SymbolicDomain {
     }
 }
 
-/// Whether an external source has the same value in all cycles.
+/// Returns whether an external source has the same value in all cycles.
 fn is_constant(source: &Source) -> bool {
     matches!(
         source,

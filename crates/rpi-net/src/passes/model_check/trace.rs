@@ -10,37 +10,39 @@ use crate::net::{Input, Net, NodeId, PortRef};
 use rpi_image::{Role, Scalar, Type, Value};
 use rustc_hash::FxHashMap;
 
-/// Maximal number of cycles of a run.
+/// Maximum number of cycles of a random run.
 const RUN_LENGTH: usize = 24;
-/// Maximal number of cycles of a long run.
+/// Maximum number of cycles of a long random run, which can reach events that a counter delays.
 const LONG_RUN_LENGTH: usize = 5_000;
+/// Number of long runs, each with its own seed of the random numbers.
 const LONG_RUNS: u64 = 3;
-/// Maximal number of register contents kept as samples for invariants.
+/// Maximum number of states that random runs record as samples for invariants.
 const SAMPLES: usize = 400;
-/// Maximal number of random variations of a run that the solver has proposed.
+/// Maximum number of random variations that are tried of a run proposed by the solver.
 const VARIATIONS: u64 = 64;
-/// Maximal number of inputs of a run that are simplified to round numbers.
+/// Maximum number of inputs of an example run whose values are replaced by round numbers.
 const ROUNDED: usize = 12;
-/// Maximal number of boundary values per type.
+/// Maximum number of constants per type from which random inputs are derived.
 const MAX_BOUNDARY_VALUES: usize = 64;
 
-/// Run that satisfies a query in its last cycle: its inputs, and the index of that cycle.
+/// Run that satisfies a query in its last cycle: its inputs, and the index of the last cycle, from 0.
 #[derive(Clone, Debug)]
 pub(super) struct Trace {
     pub(super) script: InputScript,
     pub(super) last: usize,
 }
 
-/// Results of random runs: runs that satisfy queries, and samples of the registers.
+/// Results of random runs: example runs for queries, and samples of the states.
 #[derive(Default)]
 pub(super) struct Exploration {
-    /// For each query, a run that satisfies it in its last cycle.
+    /// For each query, a run that satisfies it in its last cycle; `None` if none was found.
     pub(super) witnesses: Vec<Option<Trace>>,
-    /// Contents of the registers at the start of visited cycles.
+    /// Contents of all registers (state elements) at the start of visited cycles.
     pub(super) samples: Vec<State<ConcreteDomain<'static>>>,
 }
 
-/// Boundary values of a cone: its constants, without repetition.
+/// Returns the constants of these nodes, by type and without repetition. Small numbers such as 0 and 1 are always
+/// included.
 pub(super) fn boundary_values(net: &Net, nodes: &[NodeId]) -> BoundaryValues {
     let mut pool = BoundaryValues {
         integers: vec![0, 1, 2],
@@ -79,7 +81,8 @@ fn add(pool: &mut BoundaryValues, value: &Value) {
     }
 }
 
-/// Performs random runs until each of these queries is satisfied. Subtracts one step from `steps` per node evaluation.
+/// Performs random runs until each query with an index in `pairs` is satisfied, or `steps` is exhausted. Subtracts one
+/// step per node evaluation.
 pub(super) fn explore(
     question: &Problem<'_>,
     pool: &BoundaryValues,
@@ -125,8 +128,10 @@ pub(super) fn explore(
     seen
 }
 
-/// Performs some long runs, for events that a counter delays. Returns the first run that satisfies one of the queries,
-/// with its index. Subtracts one step from `steps` per node evaluation.
+/// Performs some long runs, for events that a counter delays.
+///
+/// Returns the index of the first query in `pairs` that a run satisfies, with the run; `None` if there is none.
+/// Subtracts one step from `steps` per node evaluation.
 pub(super) fn explore_long_runs(
     question: &Problem<'_>,
     pool: &BoundaryValues,
@@ -160,8 +165,10 @@ pub(super) fn explore_long_runs(
     })
 }
 
-/// Runs cycles until one has a fault or ends the command. `see` receives the index of a cycle, the registers at its
-/// start and the queries that are certainly satisfied in it; it returns whether to continue.
+/// Runs at most `cycles` cycles, until one has a fault or ends the command.
+///
+/// After each cycle, calls `see` with the index of the cycle, the registers at its start, and for each query whether
+/// the cycle certainly satisfies it. The run stops if `see` returns false.
 fn run(
     question: &Problem<'_>,
     domain: &mut ConcreteDomain<'_>,
@@ -192,7 +199,7 @@ fn run(
     }
 }
 
-/// Copies a state to remove the lifetime of its run.
+/// Returns a copy of a state that does not borrow from its run.
 fn to_static(state: &[Flow<ConcreteDomain<'_>>]) -> State<ConcreteDomain<'static>> {
     let flows = state.iter();
     flows
@@ -203,7 +210,7 @@ fn to_static(state: &[Flow<ConcreteDomain<'_>>]) -> State<ConcreteDomain<'static
         .collect()
 }
 
-/// Whether a run with these inputs satisfies a query in its last cycle.
+/// Returns whether a run with the inputs of `trace` satisfies the query with the index `pair` in its last cycle.
 pub(super) fn satisfies(
     question: &Problem<'_>,
     pool: &BoundaryValues,
@@ -215,7 +222,7 @@ pub(super) fn satisfies(
     ends_with(question, &mut domain, pair, trace.last) && !domain.is_faulty
 }
 
-/// Whether a query is satisfied in the last cycle of a run.
+/// Returns whether the cycle with the index `last` is reached and satisfies the query with the index `pair`.
 fn ends_with(
     question: &Problem<'_>,
     domain: &mut ConcreteDomain<'_>,
@@ -230,8 +237,10 @@ fn ends_with(
     found
 }
 
-/// Varies some inputs of a run at random until it satisfies a query in its last cycle. The solver approximates real
-/// arithmetic, so that its values need not be consistent.
+/// Varies some inputs of a run at random until it satisfies the query with the index `pair` in its last cycle; `None`
+/// if that fails.
+///
+/// The solver approximates real arithmetic, so that the inputs that it proposes need not be consistent.
 pub(super) fn vary(
     question: &Problem<'_>,
     pool: &BoundaryValues,
@@ -259,8 +268,8 @@ pub(super) fn vary(
     })
 }
 
-/// Simplifies a run with the same last cycle: it is made as short as its last inputs allow, with rounded reals. A long
-/// run is not changed.
+/// Returns a simpler run that satisfies the same query: it starts as late as possible, and its real inputs are rounded.
+/// The inputs of a long run are not rounded.
 pub(super) fn simplify(
     question: &Problem<'_>,
     pool: &BoundaryValues,
@@ -311,7 +320,8 @@ pub(super) fn simplify(
     best
 }
 
-/// Values of `ports` in the last cycle of a run, as far as they are present and exact.
+/// Returns the values of `ports` in the last cycle of a run. Flows that are absent, or whose values are only guesses,
+/// are left out.
 pub(super) fn values(
     question: &Problem<'_>,
     pool: &BoundaryValues,

@@ -11,15 +11,15 @@ use super::symbolic::{SymbolicDomain, Term};
 use crate::solver::{Lit, SatResult};
 use rpi_image::{Type, Value};
 
-/// Unrolling of a net over consecutive cycles, from the start of the command or from an arbitrary state.
+/// Symbolic execution of a net over consecutive cycles, from the start of the command or from an arbitrary state.
 pub(super) struct Unrolling<'a> {
     question: &'a Problem<'a>,
     pub(super) domain: SymbolicDomain,
-    /// Registers at the start of each cycle, and after the last one.
+    /// Contents of the registers (state elements) at the start of each cycle, and after the last one.
     pub(super) states: Vec<State<SymbolicDomain>>,
-    /// For each cycle and query, whether the cycle satisfies the query.
+    /// For each cycle and query, a literal that is true if the cycle satisfies the query.
     satisfied: Vec<Vec<Lit>>,
-    /// For each cycle, whether the command ends in it.
+    /// For each cycle, a literal that is true if the command ends in it.
     ended: Vec<Lit>,
 }
 
@@ -30,7 +30,7 @@ impl<'a> Unrolling<'a> {
         Unrolling::new(question, domain, state)
     }
 
-    /// Starts from arbitrary contents of the registers, reachable or not.
+    /// Creates an unrolling without cycles whose state is arbitrary, reachable or not.
     pub(super) fn from_anywhere(question: &'a Problem<'a>) -> Self {
         let mut domain = SymbolicDomain::new(false);
         let state = any_state(&mut domain, &question.cone);
@@ -51,7 +51,7 @@ impl<'a> Unrolling<'a> {
         }
     }
 
-    /// Adds one cycle to the unrolling.
+    /// Adds one cycle after the last one.
     pub(super) fn extend(&mut self) {
         let Some(state) = self.states.last() else {
             return;
@@ -73,7 +73,9 @@ impl<'a> Unrolling<'a> {
         self.ended.push(over);
     }
 
-    /// Whether a query can be satisfied in the last cycle and, if `only_there`, in no earlier one.
+    /// Searches for a run whose last cycle satisfies the query with the index `pair` and, if `only_there` is true,
+    /// whose earlier cycles do not. The command does not end before the last cycle. Subtracts the steps taken from
+    /// `steps`.
     pub(super) fn solve_last_cycle(
         &mut self,
         pair: usize,
@@ -91,12 +93,12 @@ impl<'a> Unrolling<'a> {
         self.domain.solver.solve(&assumptions, steps)
     }
 
-    /// Literals that say that the command does not end in the first `cycles` cycles.
+    /// Returns literals that are all true if the command does not end in the first `cycles` cycles.
     pub(super) fn not_ended(&self, cycles: usize) -> Vec<Lit> {
         self.ended[..cycles].iter().map(|over| !*over).collect()
     }
 
-    /// Inputs of the cycles in the last solution of the solver.
+    /// Returns the external inputs of all cycles in the last solution of the solver.
     pub(super) fn script(&self) -> InputScript {
         let solver = &self.domain.solver;
         let sources = self.domain.sources.iter();

@@ -11,17 +11,17 @@ use rpi_image::{CommandFlow, Role, Scalar, Type, Value};
 use rustc_hash::FxHashSet;
 use std::fmt;
 
-/// Maximal number of flows that a description of an example run shows.
+/// Maximum number of flows and states that the description of an example run shows, so that the message stays readable.
 const MAX_SHOWN: usize = 4;
-/// Maximal number of flows visited in the search for flows with a name.
+/// Maximum number of flows visited in the search for flows with names in the program. Bounds the compile time.
 const MAX_SEARCHED: usize = 400;
 
-/// Description of the last cycle of an example run, for the diagnostic that it supports.
+/// Description of the last cycle of an example run, for the diagnostic about two events in that cycle.
 #[derive(Clone, PartialEq, Eq, Debug)]
 pub(crate) struct Witness {
-    /// Index of the cycle, from 0.
+    /// Number of cycles before the cycle in which both events occur.
     pub(crate) cycle: usize,
-    /// Descriptions of the deciding flows and states: `` `x` = 3 ``.
+    /// Phrases about the flows and states that cause the events, such as `` `x` = 3 ``.
     parts: Vec<String>,
 }
 
@@ -41,7 +41,7 @@ impl fmt::Display for Witness {
     }
 }
 
-/// Describes the cause of the events at the end of a run.
+/// Describes the causes of the events of the query with the index `pair` in the last cycle of the run `trace`.
 pub(super) fn describe(
     question: &Problem<'_>,
     pool: &BoundaryValues,
@@ -82,13 +82,13 @@ pub(super) fn describe(
     }
 }
 
-/// Backward search from the events to the nearest flows with a name.
+/// Backward search from events to the nearest flows with names in the program.
 struct Search<'a> {
     question: &'a Problem<'a>,
     seen: FxHashSet<PortRef>,
     open: Vec<PortRef>,
     named: Vec<PortRef>,
-    /// Fragments that must be active and have no named condition: states of automata.
+    /// Fragments that must be active and whose condition has no name of its own: states of automata.
     active: Vec<FragmentId>,
 }
 
@@ -100,7 +100,7 @@ impl Search<'_> {
         }
     }
 
-    /// Adds the flows that decide whether a flow is present, independently of its value.
+    /// Adds the flows that decide whether the flow `port` is present, whatever its value.
     fn presence(&mut self, port: PortRef) {
         let node = self.question.cone.net.node(port.node);
         let inputs = match Gate::from_node(node) {
@@ -170,7 +170,7 @@ impl Search<'_> {
     }
 }
 
-/// Name of the flow in the source.
+/// Returns the name of the node's flow in the program; `None` if it has no name there.
 fn name(node: &Node) -> Option<String> {
     let core = match node.desc().role {
         Role::Flow(CommandFlow::Time | CommandFlow::Elapsed) => Some("time"),
@@ -196,7 +196,8 @@ fn is_shown(node: &Node, port: PortRef) -> bool {
         )
 }
 
-/// Describes a value, to be appended to the name of its flow.
+/// Returns a phrase with a value, such as `is true` or `= 3`, to be appended to the name of its flow; `None` for types
+/// without a short form.
 fn text(node: &Node, value: &Value) -> Option<String> {
     if node.desc().role == Role::Flow(CommandFlow::Elapsed) {
         let seconds = rpi_prims::seconds(value.as_int()?, TICK_NS);

@@ -10,7 +10,7 @@ impl<'t> Parser<'t> {
         self.out.text.as_bytes().get(self.offset).copied()
     }
 
-    /// Advances by one character.
+    /// Advances the read position by one character.
     pub(super) fn bump(&mut self) {
         let next = self.out.text[self.offset..].chars().next();
         self.offset += next.map_or(0, char::len_utf8);
@@ -48,8 +48,10 @@ impl<'t> Parser<'t> {
         Ok(TextRange::new(at, self.offset))
     }
 
-    /// Parses a quoted text. `\'` and `\\` are escapes. The reference system does not escape quotes in a text; so a
-    /// quote ends the text only if a token follows that may follow a text.
+    /// Parses a quoted text, in which `\'` and `\\` are escapes.
+    ///
+    /// The reference system does not escape quotes inside of a text. So a quote ends the text only if the next token
+    /// can follow a text.
     pub(super) fn quoted(&mut self) -> ParseResult<Word> {
         let bytes = self.out.text.as_bytes();
         let start = self.offset;
@@ -89,7 +91,11 @@ impl Parser<'_> {
         let found = found.map_or("the end of the text".into(), |c| format!("`{c}`"));
         let message = format!("expected {expected}, found {found}");
         let place = self.span(self.offset, end);
-        self.error(Diagnostic::new(Code::RPI0101, message).primary(place, "unexpected"))
+        let diagnostic = Diagnostic::new(Code::RPI0101, message).primary(place, "unexpected");
+        self.error(match expected.starts_with("`,`") {
+            true => diagnostic.help("write `,` between two elements of a list"),
+            false => diagnostic,
+        })
     }
 
     pub(super) fn unclosed(&mut self, list: List) -> SyntaxError {
@@ -120,7 +126,7 @@ fn after_word(bytes: &[u8], at: usize) -> usize {
     at + rest.iter().take_while(inside).count()
 }
 
-/// For each byte, whether it may occur in a name.
+/// Table of the bytes that may occur in a name: letters, digits, `:` and `_`.
 static IN_WORD: [bool; 256] = {
     let (mut table, mut k) = ([false; 256], 0_u8);
     while k < 128 {
@@ -130,8 +136,8 @@ static IN_WORD: [bool; 256] = {
     table
 };
 
-/// Whether the token after a quote shows that the text ends there: `)`, or a comma that is not part of the text because
-/// the next argument (`name=`) or no valid token follows it.
+/// Returns whether a quote ends a quoted text, by the token after it: `)`, or a comma that does not belong to the text
+/// because the next argument (`name=`) or no valid token follows it. `after_quote` is the byte offset after the quote.
 fn ends_text(bytes: &[u8], after_quote: usize) -> bool {
     let at = after_space(bytes, after_quote);
     match bytes.get(at) {

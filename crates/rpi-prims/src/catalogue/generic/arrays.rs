@@ -5,7 +5,8 @@ use crate::context::{Context, FaultCode, FaultValues};
 use crate::value_types::FlowType;
 use rpi_image::{ShapeArgs, Type};
 
-/// Defines `Array`, `ArrayGet`, `ArraySet`, `ArraySlice`, `ArrayIsNull` and `ArraySetNull` of one element type.
+/// Defines the primitives `Array`, `ArrayGet`, `ArraySet`, `ArraySlice`, `ArrayIsNull` and `ArraySetNull` for one
+/// element type.
 macro_rules! arrays {
     ($prefix:literal, $t:ty) => {
         primitive! {
@@ -70,7 +71,7 @@ macro_rules! arrays {
         }
 
         primitive! {
-            /// The array; absent while `inNull` is true or absent. `Size` is not used.
+            /// Passes on the array of `inValue`; absent while `inNull` is true or absent. `Size` is not used.
             ARRAY_SET_NULL = concat!($prefix, "ArraySetNull");
             in { inValue: Array<$t>; inNull: bool }
             param { Size: i64 = Int(1) }
@@ -87,7 +88,8 @@ macro_rules! arrays {
 
 pub(super) use arrays;
 
-/// Returns the element at `index`; raises a fault and returns the neutral value if it is out of range.
+/// Returns the element at `index`, counted from 0; if it is out of range, raises a fault at slot `place` and returns
+/// the neutral value of the type.
 pub(super) fn get<T: FlowType>(cx: &mut Context<'_>, place: u32, array: Array<T>, index: i64) -> T {
     array.get(cx.slots, index).unwrap_or_else(|| {
         index_fault(cx, place, index, array.len());
@@ -95,7 +97,7 @@ pub(super) fn get<T: FlowType>(cx: &mut Context<'_>, place: u32, array: Array<T>
     })
 }
 
-/// Raises the fault of an index that is not below `length`.
+/// Raises, at slot `place`, the fault of an index that is negative or not below `length`.
 #[cold]
 pub(super) fn index_fault(cx: &mut Context<'_>, place: u32, index: i64, length: usize) {
     let length = i64::try_from(length).unwrap_or(i64::MAX);
@@ -103,18 +105,19 @@ pub(super) fn index_fault(cx: &mut Context<'_>, place: u32, index: i64, length: 
     cx.fault_by(FaultCode::IndexOutOfRange, place, values);
 }
 
-/// Returns the type of one element of the array at in-port 0, if parameter 1 is a valid index of that array.
+/// Returns the type of one element of the array at in-port 0; `None` if the value of parameter 1 is no valid index of
+/// that array.
 pub(super) fn one<T: FlowType>(args: &ShapeArgs<'_>) -> Option<Type> {
     (args.size(1)? < args.len(0)?).then_some(Type::Scalar(T::SCALAR))
 }
 
-/// Returns the type of the array at in-port 0, if parameter 1 is a valid index of that array.
+/// Returns the type of the array at in-port 0; `None` if the value of parameter 1 is no valid index of that array.
 pub(super) fn with_index(args: &ShapeArgs<'_>) -> Option<Type> {
     (args.size(1)? < args.len(0)?).then_some(*args.inputs.first()?)?
 }
 
-/// Returns an array type with the length in parameter 0, if input 0 has that many elements from the index in parameter
-/// 1.
+/// Returns an array type with the length in parameter 0; `None` if the array at in-port 0 has fewer elements from the
+/// index in parameter 1 on.
 pub(super) fn slice<T: FlowType>(args: &ShapeArgs<'_>) -> Option<Type> {
     let (size, start) = (args.size(0)?, args.size(1)?);
     (start.checked_add(size)? <= args.len(0)?).then_some(Type::Array(T::SCALAR, size))

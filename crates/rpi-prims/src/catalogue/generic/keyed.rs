@@ -1,7 +1,7 @@
 //! Values exchanged by key with the application and with other nets.
 
-/// Defines `NetcommIn`, `NetcommOut`, `InterNetcommIn` and `InterNetcommOut` of one type, for single values and for
-/// arrays.
+/// Defines the primitives `NetcommIn`, `NetcommOut`, `InterNetcommIn` and `InterNetcommOut` of one value type, for
+/// single values and for arrays.
 macro_rules! keyed {
     ($prefix:literal, $t:ty) => {
         super::keyed::ports!($prefix, $t, NETCOMM_IN NETCOMM_OUT INTER_NETCOMM_IN INTER_NETCOMM_OUT, ShapeRule::Fixed);
@@ -25,8 +25,8 @@ macro_rules! ports {
         }
 
         interface! {
-            /// Publishes the value by `Key` after each cycle. Booleans can be used in rules. If `Report` is false, the
-            /// value is not reported to the application.
+            /// Publishes the value of `inValue` by `Key` after each cycle. Booleans can be used in rules. If `Report`
+            /// is false, the value is not reported to the application.
             $out = concat!($prefix, "NetcommOut");
             in { inValue: $t = Value(Neutral) }
             param { Key: Text = Str(""); Report: bool = Bool(true) }

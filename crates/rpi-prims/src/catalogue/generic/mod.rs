@@ -7,7 +7,8 @@ pub(super) mod sampled;
 mod scalars;
 pub(in crate::catalogue) mod time;
 
-/// Defines all generic operations of one type in its own module.
+/// Defines all generic operations (constants, absence, delays, arrays, sampling, keyed values) for one value type, in a
+/// module of their own.
 macro_rules! operations {
     ($module:ident, $prefix:literal, $t:ty) => {
         pub(in crate::catalogue) mod $module {

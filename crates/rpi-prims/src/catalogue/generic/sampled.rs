@@ -6,7 +6,7 @@ use crate::ring_buffer::RingBuffer;
 use crate::value_types::FlowType;
 use rpi_image::{SizeArgs, Value};
 
-/// Defines `Snapshot` and `AtTime` of one type.
+/// Defines the primitives `Snapshot` and `AtTime` for one value type.
 macro_rules! sampled {
     ($prefix:literal, $t:ty) => {
         primitive! {
@@ -46,7 +46,7 @@ macro_rules! sampled {
 
 pub(super) use sampled;
 
-/// Initialises a state with the value of the first parameter.
+/// Initialises the state of a primitive with the value of its first parameter.
 pub(super) fn init_with_first_param(args: &SizeArgs<'_>, state: &mut [u64]) {
     let value = args.params.first().map_or(&[][..], Value::slots);
     if value.len() == state.len() {
@@ -54,12 +54,13 @@ pub(super) fn init_with_first_param(args: &SizeArgs<'_>, state: &mut [u64]) {
     }
 }
 
-/// Returns the number of slots for a history of values over `MaxAge` seconds and the cycle before.
+/// Returns the number of memory slots for a history of values over `MaxAge` seconds (parameter 0) and one more cycle.
 pub(in crate::catalogue) fn history_slots<T: FlowType>(args: &SizeArgs<'_>) -> u32 {
     RingBuffer::<T>::cells(args.cycles_of_param(0).saturating_add(1))
 }
 
-/// Returns the value `age` seconds before the previous cycle, then stores the current value.
+/// Returns the value `age` seconds before the previous cycle, then stores the value of this cycle in `history`. `age`
+/// is limited to `max_age` seconds. `None` if the history is too short, the value was absent, or `age` is absent.
 pub(in crate::catalogue) fn at_time<T: FlowType>(
     cx: &mut Context<'_>,
     history: StateRange,
@@ -76,8 +77,8 @@ pub(in crate::catalogue) fn at_time<T: FlowType>(
     back
 }
 
-/// Returns the number of whole cycles in the fraction `share` of a history of `oldest` cycles; negative fractions count
-/// as 0.
+/// Returns the number of whole cycles in the fraction `share` (0 to 1) of a history of `oldest` cycles; negative
+/// fractions count as 0.
 fn cycles_back(share: f64, oldest: usize) -> usize {
     let cycles = libm::floor(share * oldest as f64);
     (cycles.max(0.0) as usize).min(oldest.saturating_sub(1))

@@ -1,6 +1,6 @@
 //! Constants, absence, selection and delay of single values.
 
-/// Defines `Value`, `IsNull`, `SetNull` and `Conditional` of one type.
+/// Defines the primitives `Value`, `IsNull`, `SetNull` and `Conditional` for one value type.
 macro_rules! scalars {
     ($prefix:literal, $t:ty) => {
         interface! {
@@ -23,7 +23,7 @@ macro_rules! scalars {
         }
 
         primitive! {
-            /// The value; absent while `inNull` is true or absent.
+            /// Passes on the value of `inValue`; absent while `inNull` is true or absent.
             SET_NULL = concat!($prefix, "SetNull");
             in { inValue: $t; inNull: bool }
             out { outValue: $t }
@@ -43,12 +43,12 @@ macro_rules! scalars {
     };
 }
 
-/// Defines `Pre` of one type.
+/// Defines the primitive `Pre`, a delay by one cycle, for one value type.
 macro_rules! delay {
     ($prefix:literal, $t:ty) => {
         interface! {
-            /// Value of the previous cycle in which the enclosing fragment was active, absence included. Absent in the
-            /// first cycle.
+            /// Delay: value of `inValue` in the previous cycle in which the enclosing fragment was active; absent if it
+            /// was absent then. Absent in the first cycle.
             PRE = concat!($prefix, "Pre");
             in { inValue: $t }
             out { outValue: $t }

@@ -35,7 +35,8 @@ interface! {
 }
 
 interface! {
-    /// Identity of the result with which the preceding command ended; absent if there is no preceding command.
+    /// Number that identifies the command that preceded this one and the result with which it ended; absent if there is
+    /// no preceding command.
     PREDECESSOR = "Rpi::Predecessor";
     in {}
     out { outValue: i64 }

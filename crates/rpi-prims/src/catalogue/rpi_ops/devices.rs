@@ -2,7 +2,8 @@
 
 use rpi_image::{DevicePortNames, DeviceResponse, DeviceUse};
 
-/// Creates the device port selected by the parameters `Device`, `Index` and `Port`.
+/// Describes the device port that the parameters `Device`, `Index` and `Port` of a primitive select; `answers` are the
+/// responses of the device to a set-point, one per out-port.
 pub(super) const fn port_by_params(answers: &'static [DeviceResponse]) -> DeviceUse {
     DeviceUse {
         device: "Device",
@@ -20,11 +21,11 @@ pub(super) const RESPONSES: &[DeviceResponse] = &[
     DeviceResponse::IllegalValue,
 ];
 
-/// Defines `Read` (always present), `Sample` (may be absent) and `Write` of one type.
+/// Defines the primitives `Read` (always present), `Sample` (may be absent) and `Write` for one value type.
 macro_rules! ports {
     ($name:literal, $t:ty) => {
         interface! {
-            /// Value of the sensor port `Port` of `Device`. A missing sample is a fault.
+            /// Value of the sensor port `Port` of the device `Device`. A missing sample is a fault.
             READ = concat!("Rpi::Read", $name);
             in {}
             param { Device: Text = Str(""); Port: Text = Str(""); Index: i64 = Int(0) }
@@ -34,7 +35,7 @@ macro_rules! ports {
         }
 
         interface! {
-            /// Value of the sensor port `Port` of `Device`. Absent in cycles without a sample.
+            /// Value of the sensor port `Port` of the device `Device`. Absent in cycles without a sample.
             SAMPLE = concat!("Rpi::Sample", $name);
             in {}
             param { Device: Text = Str(""); Port: Text = Str(""); Index: i64 = Int(0) }
@@ -44,8 +45,8 @@ macro_rules! ports {
         }
 
         interface! {
-            /// Writes a set-point to the port `Port` of `Device`. No set-point is written while the input is absent.
-            /// The out-ports are the response of the device in this cycle.
+            /// Writes a set-point to the actuator port `Port` of the device `Device`. No set-point is written while the
+            /// input is absent. The out-ports are the response of the device in this cycle.
             WRITE = concat!("Rpi::Write", $name);
             in { inValue: $t }
             param { Device: Text = Str(""); Port: Text = Str(""); Index: i64 = Int(0) }

@@ -22,8 +22,8 @@ pub(in crate::catalogue) const ALL: &[Prim] = &[
     INT_WITHIN,
 ];
 
-/// Defines a primitive with two operands that runs only while its guard is true. `$what` is the description of its
-/// result.
+/// Defines a primitive with two integer operands that computes only while its in-port `inActive` is true. `$what` is
+/// the start of its documentation.
 macro_rules! binary {
     ($id:ident, $name:literal, $what:literal, $work:literal, $second:literal, |$cx:ident, $place:ident, $a:ident, $b:ident| $result:expr) => {
         primitive! {
@@ -86,8 +86,8 @@ binary!(
     |cx, place, a, b| or_overflow_fault(cx, place, power(a, b))
 );
 
-/// Defines a primitive with one operand that runs only while its guard is true. `$what` is the description of its
-/// result.
+/// Defines a primitive with one operand that computes only while its in-port `inActive` is true. `$what` is the start
+/// of its documentation.
 macro_rules! unary {
     ($id:ident, $name:literal, $what:literal, $t:ty, |$cx:ident, $place:ident, $a:ident| $result:expr) => {
         primitive! {

@@ -53,7 +53,7 @@ primitive! {
 }
 
 primitive! {
-    /// Absolute value. Overflow is a fault.
+    /// Absolute value of an integer. Overflow is a fault.
     ABSOLUTE = "Rpi::IntAbsolute";
     in { inValue: i64 = Value(Int(0)) }
     out { outValue: i64 }
@@ -88,8 +88,8 @@ primitive! {
     pure |(a, b): (i64, i64)| (a >= b,)
 }
 
-/// Returns the remainder; `None` only for the divisor 0. The remainder by -1 is always 0, also where the quotient
-/// overflows.
+/// Returns the remainder of the division of `a` by `b`, truncated towards 0; `None` only for `b` = 0. The remainder by
+/// -1 is always 0, also where the quotient overflows.
 pub(super) fn remainder(a: i64, b: i64) -> Option<i64> {
     (b != 0).then(|| a.wrapping_rem(b))
 }

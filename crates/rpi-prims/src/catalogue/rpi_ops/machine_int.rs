@@ -154,7 +154,8 @@ primitive! {
     full |cx, place, _, _, (a, width)| (or_overflow_fault(cx, place, (width < 0 || a >= 0).then_some(a)),)
 }
 
-/// Returns the value reduced to the width, then sign-extended or zero-extended to 64 bits.
+/// Returns the integer with the least significant bits of `value`, as many as the magnitude of `width`: sign-extended
+/// to 64 bits if `width` is negative (a signed type), else zero-extended.
 fn wrap(value: i64, width: i64) -> i64 {
     let above = 64 - width.unsigned_abs().clamp(1, 64) as u32;
     match width < 0 {
@@ -183,7 +184,8 @@ fn remainder(a: i64, b: i64, width: i64) -> i64 {
     }
 }
 
-/// Returns the number of bits to shift by. Negative (large unsigned) amounts become 64, which shifts out all bits.
+/// Returns the number of bits to shift by, for the operand `by`. Negative values, which are large unsigned ones, become
+/// 64, which shifts out all bits.
 fn shift_amount(by: i64) -> u32 {
     u32::try_from(by).unwrap_or(64)
 }

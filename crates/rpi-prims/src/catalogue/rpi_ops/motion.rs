@@ -24,8 +24,8 @@ pub(in crate::catalogue) const ALL: &[Prim] = &[
     MOVE_TOOL_IN_TOOL,
 ];
 
-/// Declares a motion primitive. Its declared work bounds the planning that the motion core does in a cycle: about 200
-/// µs.
+/// Declares a motion primitive: a call of a function of the arm in each cycle. Its declared work of 20000 elementary
+/// operations covers the planning that the arm does in a cycle, about 200 µs.
 macro_rules! motion {
     (
         $(#[doc = $doc:expr])+
@@ -37,12 +37,13 @@ macro_rules! motion {
         interface! {
             $(#[doc = $doc])+
             ///
-            /// With `inMotion` 0 a motion begins, from the arm's position, velocity and acceleration as commanded;
-            /// pass `outMotion` back in the next cycles. The other in-ports are then read once, except `inOverride`
-            /// (share of the speed, 0 to 1) and `inPaused` (comes to rest on the path). What the arm brought along and
-            /// the path does not have decays within the limits of all axes; `outOnPath` is true afterwards. `outDone`
-            /// is true from the cycle after the last set-point. `outError` is the error code of the motion once the
-            /// arm rests; 0 if there is none.
+            /// The motion begins in a cycle in which `inMotion` is 0, from the position, velocity and acceleration of
+            /// the arm as commanded. `outMotion` is the number of the motion; pass it to `inMotion` in the next cycles.
+            /// The other in-ports are read only at the beginning, except `inOverride` (share of the speed, 0 to 1),
+            /// `inPaused` (the arm comes to rest on the path) and those described above as read in each cycle. A part
+            /// of the initial velocity and acceleration of the arm that the path does not have decays within the limits
+            /// of all axes; `outOnPath` is true afterwards. `outDone` is true from the cycle after the last set-point.
+            /// `outError` is the error code of the motion once the arm rests; 0 if there is none.
             $id = $name;
             in {
                 inMotion: i64;
@@ -73,8 +74,8 @@ macro_rules! motion {
 }
 
 motion! {
-    /// Straight line of the tool from where it is to `inTo`, with even turning, in the base frame of the arm. Units are
-    /// m and s. `Axes` is the number of axes of the arm.
+    /// Straight line of the tool from its present pose to `inTo`, in the base frame of the arm. The tool turns in
+    /// proportion to the distance. Units are m and s. `Axes` is the number of axes of the arm.
     MOVE_LINE = "Rpi::MoveLine", "move_line";
     in { inTo: Pose }
     param Axes;
@@ -82,8 +83,9 @@ motion! {
 }
 
 motion! {
-    /// Circular arc of the tool from where it is through the position of `inVia` to `inTo`, with even turning, in the
-    /// base frame of the arm. Units are m and s. `Axes` is the number of axes of the arm.
+    /// Circular arc of the tool from its present pose through the position of `inVia` to `inTo`, in the base frame of
+    /// the arm. The tool turns in proportion to the distance. Units are m and s. `Axes` is the number of axes of the
+    /// arm.
     MOVE_ARC = "Rpi::MoveArc", "move_arc";
     in { inVia: Pose; inTo: Pose }
     param Axes;
@@ -91,8 +93,9 @@ motion! {
 }
 
 motion! {
-    /// Circular arc of the tool from where it is to `inTo`, about `inCentre` (the shorter way round), with even turning, in
-    /// the base frame of the arm. Units are m and s. `Axes` is the number of axes of the arm.
+    /// Circular arc of the tool from its present pose to `inTo`, about `inCentre` (the shorter way round), in the base
+    /// frame of the arm. The tool turns in proportion to the distance. Units are m and s. `Axes` is the number of axes
+    /// of the arm.
     MOVE_ARC_BY_CENTRE = "Rpi::MoveArcByCentre", "move_arc_by_centre";
     in { inCentre: Vector; inTo: Pose }
     param Axes;
@@ -100,9 +103,9 @@ motion! {
 }
 
 motion! {
-    /// Circular arc of the tool from where it is by `inAngle` (rad, any number of turns) about the axis `inAxis` through
-    /// `inCentre`, in the base frame of the arm. The tool turns with the arc if `inTurning` is true, else it keeps its
-    /// orientation. Units are m and s. `Axes` is the number of axes of the arm.
+    /// Circular arc of the tool from its present pose by `inAngle` (rad, any number of turns) about the axis `inAxis`
+    /// through `inCentre`, in the base frame of the arm. The tool turns with the arc if `inTurning` is true, else it
+    /// keeps its orientation. Units are m and s. `Axes` is the number of axes of the arm.
     MOVE_ARC_BY_ANGLE = "Rpi::MoveArcByAngle", "move_arc_by_angle";
     in { inCentre: Vector; inAxis: Vector; inAngle: f64; inTurning: bool }
     param Axes;
@@ -110,8 +113,9 @@ motion! {
 }
 
 motion! {
-    /// Straight line of the tool from where it is to `inVia` and on to `inTo`, round the corner within `inZone` of it, in
-    /// the base frame of the arm. Units are m and s. `Axes` is the number of axes of the arm.
+    /// Two straight lines of the tool, from its present pose to `inVia` and on to `inTo`, in the base frame of the arm.
+    /// The corner between them is rounded at most `inZone` before and after `inVia`. Units are m and s. `Axes` is the
+    /// number of axes of the arm.
     MOVE_CORNER = "Rpi::MoveCorner", "move_corner";
     in { inVia: Pose; inTo: Pose; inZone: f64 }
     param Axes;
@@ -119,8 +123,8 @@ motion! {
 }
 
 motion! {
-    /// Smooth curve of the tool from where it is through `inPoints`, at most 16, in the base frame of the arm. Curvature and
-    /// angular acceleration are continuous. Units are m and s. `Axes` is the number of axes of the arm.
+    /// Smooth curve of the tool from its present pose through `inPoints`, at most 16, in the base frame of the arm.
+    /// Curvature and angular acceleration are continuous. Units are m and s. `Axes` is the number of axes of the arm.
     MOVE_SPLINE = "Rpi::MoveSpline", "move_spline";
     in { inPoints: Array<Pose> }
     param Axes;

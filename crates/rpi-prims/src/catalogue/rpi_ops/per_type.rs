@@ -6,7 +6,7 @@ use crate::operand::Text;
 use crate::registry::Prim;
 use rpi_image::Role;
 
-/// Defines `Coalesce`, `Hold`, `Pre` and device ports of one type.
+/// Defines the primitives `Coalesce`, `Hold`, `Pre` and the device ports for one value type.
 macro_rules! operators {
     ($module:ident, $name:literal, $t:ty) => {
         pub(in crate::catalogue) mod $module {
@@ -22,7 +22,7 @@ macro_rules! operators {
             }
 
             primitive! {
-                /// `hold(x, init)`: last present value of `inValue`; `inInitial` before the first one.
+                /// `hold(x, init)`: last present value of `inValue`; `inInitial` before the first present value.
                 HOLD = concat!("Rpi::", $name, "Hold");
                 in { inValue: $t; inInitial: $t }
                 out { outValue: $t }
@@ -37,8 +37,8 @@ macro_rules! operators {
             }
 
             interface! {
-                /// Value of the previous cycle in which the enclosing fragment was active. The initial value is neutral
-                /// and is never used, as proved by the compiler.
+                /// Delay: value of `inValue` in the previous cycle in which the enclosing fragment was active. The
+                /// initial value is neutral and is never used, as proved by the compiler.
                 PRE = concat!("Rpi::", $name, "Pre");
                 in { inValue: $t }
                 out { outValue: $t }

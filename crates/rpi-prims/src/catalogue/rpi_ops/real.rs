@@ -37,7 +37,7 @@ primitive! {
 }
 
 primitive! {
-    /// Absolute value.
+    /// Absolute value of a real.
     ABSOLUTE = "Rpi::DoubleAbsolute";
     in { inValue: f64 = Value(Real(0.0)) }
     out { outValue: f64 }

@@ -51,7 +51,8 @@ primitive! {
     full |cx, place, _, _, (seconds,)| (ticks_or_fault(cx, place, seconds),)
 }
 
-/// Returns the number of whole ticks; raises a fault and returns 0 if there is none.
+/// Returns the smallest whole number of ticks that is not shorter than `seconds`; if there is none, raises a fault at
+/// slot `place` and returns 0.
 pub(super) fn ticks_or_fault(cx: &mut Context<'_>, place: u32, seconds: f64) -> i64 {
     cx.time.whole_ticks(seconds).unwrap_or_else(|| {
         lossy_conversion(cx, place, seconds);

@@ -16,7 +16,7 @@ use super::event::{Event, Ticket};
 use crate::run::time_text;
 use start_order::{StartCause, StartOrder};
 
-/// Time budget of all commands in a tick.
+/// Time budget that all commands together may use in a tick.
 #[derive(Clone, Copy, PartialEq, Debug)]
 pub struct Budget {
     /// Worst-case time of an elementary operation in nanoseconds.
@@ -40,7 +40,7 @@ impl BudgetExceededError {
     /// Code of the error in the table of diagnostics.
     pub const CODE: &str = "RPI7003";
 
-    /// Returns the error message. `what` is the subject of the sentence.
+    /// Returns the error message. `what` names the commands that exceed the budget and is the subject of the sentence.
     #[must_use]
     pub fn message(&self, what: &str) -> String {
         let [needed, taken, granted] =
@@ -62,34 +62,36 @@ impl fmt::Display for BudgetExceededError {
     }
 }
 
-/// Resource needs and state of a loaded command, as admission control knows them.
+/// Resource needs and state of a loaded command, from which admission control decides whether further commands may
+/// start.
 #[derive(Clone, Debug)]
 struct CommandDemand {
     bound_ns: u64,
-    /// Actuators of the command, in ascending order.
+    /// Resource numbers of the actuators that the command drives, in ascending order.
     actuators: Box<[u32]>,
     /// Whether the command runs or is scheduled, according to the latest events.
     is_live: bool,
     /// Whether the command runs, according to the latest events.
     is_running: bool,
-    /// Number of unanswered requests that may start the command.
+    /// Number of requests sent to the core that may start the command and are not answered yet.
     pending_starts: u32,
 }
 
 impl CommandDemand {
-    /// Returns true if the command takes time now or may still do so.
+    /// Returns true if the command runs, is scheduled, or may be started by a request that is not answered yet.
     fn is_active(&self) -> bool {
         self.is_live || self.pending_starts > 0
     }
 
-    /// Returns true if both commands need a common actuator.
+    /// Returns true if both commands drive a common actuator, so that they never run in the same tick.
     fn shares_actuator(&self, other: &CommandDemand) -> bool {
         let has = |a: &u32| other.actuators.binary_search(a).is_ok();
         self.actuators.iter().any(has)
     }
 }
 
-/// Admission control: the resource needs of all loaded commands, and the requests and rules by which they may start.
+/// Admission control: checks that the worst-case times of all commands that may run in the same tick fit the budget of
+/// a tick. It has the resource needs of all loaded commands, and the requests and rules by which they may start.
 pub(super) struct Admission {
     budget: Option<Budget>,
     demands: BTreeMap<CommandId, CommandDemand>,
@@ -105,7 +107,8 @@ impl Admission {
         }
     }
 
-    /// Returns the worst-case time of a loaded command in a tick, nanoseconds.
+    /// Returns the worst-case time of a loaded command in a tick, in nanoseconds; 0 if there is no budget or no such
+    /// command.
     pub(super) fn bound_ns(&self, id: CommandId) -> u64 {
         self.demands.get(&id).map_or(0, |demand| demand.bound_ns)
     }
@@ -121,7 +124,7 @@ impl Admission {
         self.budget.map_or(Ok(()), check)
     }
 
-    /// Adds a loaded command.
+    /// Adds the resource needs of a loaded command.
     pub(super) fn insert(&mut self, id: CommandId, command: &Command) {
         let mut actuators: Vec<u32> = command.resources().collect();
         actuators.sort_unstable();
@@ -135,8 +138,8 @@ impl Admission {
         self.demands.insert(id, demand);
     }
 
-    /// Checks that a command can start now together with all commands that run or may still start. Returns the cause of
-    /// the start, to be passed to [`Admission::request_sent`].
+    /// Checks that a command can start now together with all commands that run or may still start. Returns a record of
+    /// the start request, to be passed to [`Admission::request_sent`].
     pub(super) fn admit_start(
         &self,
         command: CommandId,
@@ -145,7 +148,7 @@ impl Admission {
     }
 
     /// Checks that the commands started by a rule can run together with all commands that run or may still start.
-    /// Returns the cause of the start, to be passed to [`Admission::request_sent`].
+    /// Returns a record of the rule, to be passed to [`Admission::request_sent`].
     pub(super) fn admit_rule(
         &self,
         id: RuleId,
@@ -198,7 +201,8 @@ impl Admission {
         })
     }
 
-    /// Records that a request that may start commands was sent.
+    /// Records that the request with this ticket was sent to the core. `cause` is the start request or rule that may
+    /// start commands.
     pub(super) fn request_sent(&mut self, ticket: Ticket, mut cause: StartCause) {
         for id in &cause.start {
             if let Some(demand) = self.demands.get_mut(id) {
@@ -220,7 +224,7 @@ impl Admission {
         }
     }
 
-    /// Removes a freed command.
+    /// Removes the resource needs of a command that the core has freed.
     pub(super) fn remove(&mut self, id: CommandId) {
         self.demands.remove(&id);
         for cause in &mut self.start_causes {
@@ -276,7 +280,7 @@ impl Admission {
 }
 
 impl Budget {
-    /// Default share of a tick that all commands may take together.
+    /// Default share of the time of a tick that all commands together may use.
     pub const SHARE: f64 = 0.8;
     /// Default time of an elementary operation in nanoseconds.
     ///
@@ -295,12 +299,13 @@ impl Budget {
         }
     }
 
-    /// Returns the worst-case time of a command in a tick, nanoseconds.
+    /// Returns the worst-case time of one cycle of a command, in nanoseconds: its bound on elementary operations times
+    /// the time of an operation.
     pub(crate) fn worst_case_ns(&self, command: &Command) -> u64 {
         (command.work() as f64 * self.ns_per_operation) as u64
     }
 
-    /// Returns an error if a time, in nanoseconds, exceeds the whole budget.
+    /// Returns an error if a time, in nanoseconds, exceeds the budget of all commands.
     pub(crate) fn check(&self, needed_ns: u64) -> Result<(), BudgetExceededError> {
         match needed_ns > self.granted_ns {
             true => Err(BudgetExceededError {
@@ -313,7 +318,9 @@ impl Budget {
     }
 }
 
-/// Returns a bound for the time of these commands in one tick.
+/// Returns an upper bound, in nanoseconds, on the time of these commands in one tick. Commands that never run in the
+/// same tick, because they share an actuator or because of `order`, form groups that count with their most expensive
+/// command.
 // The greedy partition, most expensive command first, is not optimal, but any partition gives a valid bound.
 fn combined_bound_ns<'a>(
     demands: impl Iterator<Item = (&'a CommandId, &'a CommandDemand)>,

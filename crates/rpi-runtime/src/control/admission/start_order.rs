@@ -9,20 +9,20 @@ use rpi_core::{CommandId, RuleId};
 
 use crate::control::event::Ticket;
 
-/// A request or rule by which commands start, or have started, together.
+/// Cause by which one or more commands start together: a start request or a rule.
 #[derive(Clone, Debug)]
 pub(in crate::control) struct StartCause {
-    /// Ticket of the request until it is answered.
+    /// Ticket of the request to the core; `None` once the request is answered.
     pub(super) ticket: Option<Ticket>,
     /// Rule that starts the commands; `None` if a request starts them directly.
     pub(super) rule: Option<RuleId>,
     pub(super) start: Vec<CommandId>,
-    /// Commands that never run again once the commands in `start` run.
+    /// Commands that never run again once the commands in `start` run, because the rule requires that they have ended.
     pub(super) predecessors: Vec<CommandId>,
 }
 
 impl StartCause {
-    /// Returns the cause of a direct start request.
+    /// Returns the cause for a request that starts a command directly.
     pub(super) fn immediate(command: CommandId) -> StartCause {
         StartCause {
             ticket: None,
@@ -35,7 +35,8 @@ impl StartCause {
 
 type Outlived = BTreeSet<CommandId>;
 
-/// For each command, the set of commands that it outlives: those that have ended for good before it starts.
+/// For each command, the set of commands that have ended for good before it starts. From these sets, admission control
+/// derives which commands never run in the same tick.
 pub(super) struct StartOrder(BTreeMap<CommandId, Outlived>);
 
 impl StartOrder {
@@ -49,10 +50,10 @@ impl StartOrder {
         order
     }
 
-    /// Computes the commands that have ended for good before a command starts: the intersection over all causes by
-    /// which it may start.
+    /// Computes and stores the commands that have ended for good before a command starts: those for which this holds
+    /// for every cause by which the command may start.
     ///
-    /// During the computation the command outlives nothing, so the recursion ends for cyclic rules.
+    /// During the computation the set of the command is empty, so the recursion ends for cyclic rules.
     fn compute_outlived<'w>(
         &mut self,
         command: CommandId,
@@ -78,7 +79,8 @@ impl StartOrder {
         &self.0[&command]
     }
 
-    /// Returns true if one of two commands has ended for good when the other one starts.
+    /// Returns true if one of the two commands has ended for good when the other one starts, so that they never run in
+    /// the same tick.
     pub(super) fn are_exclusive(&self, a: CommandId, b: CommandId) -> bool {
         let outlives = |a, b| self.0.get(&a).is_some_and(|o| o.contains(&b));
         outlives(a, b) || outlives(b, a)

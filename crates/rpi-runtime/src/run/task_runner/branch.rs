@@ -12,7 +12,7 @@ use super::start_request::{StartError, StartRequest, TaskCommand};
 use super::task_core::TaskCore;
 use crate::control::Event;
 
-/// What a branch of a task executes at present.
+/// What a branch of a running task executes at present: a single command, or parallel branches.
 #[derive(Debug)]
 pub(super) enum BranchState {
     /// The branch executes a single command.
@@ -21,39 +21,40 @@ pub(super) enum BranchState {
     Parallel {
         at: PlanCursor,
         branches: Vec<Branch>,
-        /// Exit through which the branches are left after an error, if any.
+        /// Exit through which the parallel branches are left after an error in one of them; `None` without an error.
         leaving: Option<BranchExit>,
-        /// Commands at the ends of the branches when their common successor was last scheduled.
+        /// Commands that were last in the branches when their common successor was last scheduled.
         scheduled_for: Vec<CommandId>,
     },
-    /// The branch executes no command, as it is empty.
+    /// The branch has no command.
     Empty,
 }
 
-/// Part of a task that is executed, a command or parallel branches, with its scheduled successors.
+/// Branch of a running task: the command or the parallel branches that it executes, with their scheduled successors.
 #[derive(Debug)]
 pub(super) struct Branch {
     pub(super) state: BranchState,
-    /// Request that starts the branch; `None` for a parallel branch, which is started together with its siblings.
+    /// Request that starts the commands of the branch; `None` for a parallel branch, which is started together with its
+    /// siblings.
     pub(super) request: Option<StartRequest>,
-    /// Scheduled successors; `None` until they are scheduled.
+    /// Scheduled possible successors of the branch; `None` until they are scheduled.
     pub(super) successors: Option<Vec<Successor>>,
-    /// True once the branch was requested to end. It then has no successor.
+    /// Whether the branch was requested to end, so that it has no successor.
     ending: bool,
-    /// True if the branch has ended and waits for its siblings.
+    /// Whether the branch has ended and waits for its siblings.
     has_ended: bool,
 }
 
-/// Progress of a branch of a task.
+/// Progress of a branch of a task after a step.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub(super) enum BranchProgress {
-    /// The branch still runs.
+    /// The branch still runs, and no error has left it.
     Running,
     /// The branch has ended without an unhandled error.
     Ended,
-    /// The branch has failed, but parts of it still run.
+    /// The branch has failed and is left through this exit, but parts of it still run.
     Failing(BranchExit),
-    /// The branch has failed, and no part of it runs.
+    /// The branch has failed and is left through this exit, and no part of it runs.
     Failed(BranchExit),
 }
 
@@ -68,7 +69,7 @@ impl Branch {
         }
     }
 
-    /// Returns the current or last commands of the branch.
+    /// Returns the current or, if they have ended, the last commands of the branch.
     pub(super) fn commands(&self) -> Vec<&TaskCommand> {
         match &self.state {
             BranchState::Command(slot) => vec![slot],
@@ -79,7 +80,7 @@ impl Branch {
         }
     }
 
-    /// Returns the indices of the branch's commands in the list of the plan, without duplicates.
+    /// Returns the indices of the branch's commands in the list of images, without duplicates.
     pub(super) fn indices(&self) -> Vec<usize> {
         let indices = self.commands().into_iter().map(|slot| slot.index);
         let unique: BTreeSet<usize> = indices.collect();
@@ -104,13 +105,14 @@ impl Branch {
         self.commands().iter().any(|slot| slot.first_tick.is_some())
     }
 
-    /// Returns true while the pending request may still start the branch.
+    /// Returns true while the branch has not started and its start request was not refused or dropped.
     pub(super) fn is_pending(&self) -> bool {
         let refused = self.request.as_ref().is_some_and(|r| r.refusal().is_some());
         !self.has_started() && !refused
     }
 
-    /// Requests the branch to end: unloads its successors, then cancels its running commands. (M11.7)
+    /// Requests the branch to end: unloads its successors, then cancels its running commands (rule M11.7 of the
+    /// semantics).
     pub(super) fn request_end(&mut self, core: &mut dyn TaskCore) {
         if std::mem::replace(&mut self.ending, true) {
             return;
@@ -135,7 +137,7 @@ impl Branch {
         }
     }
 
-    /// Performs all actions of the branch that are possible now.
+    /// Performs all actions of the branch that are possible now, and returns its progress.
     ///
     /// # Errors
     ///
@@ -165,7 +167,8 @@ impl Branch {
         }
     }
 
-    /// Returns the reason for which the branch was not started and will not be.
+    /// Returns the commands of the branch and the reason for which they were not started and will not be; `None` if
+    /// they were started or may still be.
     fn refusal(&self) -> Option<StartError> {
         let why = self.request.as_ref()?.refusal();
         let why = why.filter(|_| !self.has_started())?;
@@ -173,7 +176,7 @@ impl Branch {
         Some(StartError { indices, why })
     }
 
-    /// Returns true if the successors are not scheduled yet but must be.
+    /// Returns true if the successors of the branch must be scheduled and are not scheduled yet.
     fn needs_successors(&self) -> bool {
         self.successors.is_none() && !self.ending
     }
@@ -183,7 +186,8 @@ impl Branch {
         Ok(BranchProgress::Ended)
     }
 
-    /// Loads and schedules the possible successors of the branch once they are known.
+    /// Loads and schedules the possible successors of the branch once they are known. Returns that the branch still
+    /// runs.
     fn schedule_successors(
         &mut self,
         site: &mut Planner<'_>,
@@ -195,8 +199,8 @@ impl Branch {
         Ok(BranchProgress::Running)
     }
 
-    /// Discards successors that were scheduled on commands which meanwhile ended differently, so that they are
-    /// scheduled again.
+    /// Discards the scheduled successors of parallel branches if they can no longer start because a branch has moved on
+    /// to another command, so that successors are scheduled again.
     fn discard_stale_successors(&mut self, site: &mut Planner<'_>) {
         let now: Vec<CommandId> = self.commands().iter().map(|slot| slot.id).collect();
         let BranchState::Parallel {
@@ -296,8 +300,8 @@ impl Branch {
         }
     }
 
-    /// Continues the plan after the current command or branches have ended: with the successor that the core started,
-    /// or by starting the next step now.
+    /// Continues the plan at the step `place` after the current command or branches have ended: with the successor that
+    /// the core has started, or by starting the step now.
     fn continue_at(
         &mut self,
         place: NextStep,
@@ -333,7 +337,8 @@ impl Branch {
     }
 }
 
-/// Returns the step that follows a command with this ending in the plan.
+/// Returns the step of the plan that follows a command with this ending: by its result, or an error if the command was
+/// cancelled or ended without a result.
 fn next_place(slot: &TaskCommand, ending: Ending, image: &Image, site: &Planner<'_>) -> NextStep {
     if ending.cancelled {
         return NextStep::Error;

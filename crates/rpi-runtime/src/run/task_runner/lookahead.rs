@@ -11,26 +11,26 @@ use super::start_request::{StartError, StartRequest, TaskCommand};
 use super::task_core::{NotStartedError, TaskCore};
 use crate::control::RequestError;
 
-/// Scheduler of a task: its plan, and the control core on which it loads and starts commands.
+/// Planner of a running task: the plan, and the control core in which it loads and schedules commands.
 pub(super) struct Planner<'s> {
     pub(super) plan: &'s ExecutablePlan,
     pub(super) core: &'s mut dyn TaskCore,
 }
 
-/// A successor that has been loaded, with the rule that starts it.
+/// A successor whose commands are loaded, with the rule that starts them.
 #[derive(Debug)]
 pub(super) struct Successor {
     pub(super) branch: Branch,
 }
 
 impl Successor {
-    /// Returns true if the successor will never start.
+    /// Returns true if the successor was not started and its rule can no longer start it.
     pub(super) fn is_dropped(&self) -> bool {
         !self.branch.is_pending() && !self.branch.has_started()
     }
 }
 
-/// Condition under which a successor starts, and the commands that it follows.
+/// Condition under which a successor starts, and the commands that it follows and takes values from.
 struct StartCondition {
     after: Vec<TaskCommand>,
     condition: Condition,
@@ -45,7 +45,8 @@ impl StartCondition {
 }
 
 impl Planner<'_> {
-    /// Loads the commands of a step without predecessors and requests their start.
+    /// Loads the commands of a step without predecessors and requests their start. Returns the branch with the
+    /// commands.
     ///
     /// # Errors
     ///
@@ -70,8 +71,8 @@ impl Planner<'_> {
         Ok(branch)
     }
 
-    /// Loads and schedules all possible successors of a branch. Returns `None` as long as the successors are not known
-    /// or planning must wait.
+    /// Loads and schedules all possible successors of a branch. Returns `None` as long as the successors are not known,
+    /// or the simulated planning time has not passed.
     ///
     /// # Errors
     /// Returns the commands that could not be loaded, with the reason.
@@ -93,8 +94,8 @@ impl Planner<'_> {
         Ok(Some(ahead))
     }
 
-    /// Returns the possible next steps of a branch with their conditions; `None` as long as parallel branches have more
-    /// commands to run before they join.
+    /// Returns the steps that may follow a branch, with the conditions of their starts; `None` as long as parallel
+    /// branches have more commands to run before they join.
     fn successor_conditions(&self, branch: &Branch) -> Option<Vec<(NextStep, StartCondition)>> {
         match &branch.state {
             BranchState::Command(slot) => {
@@ -146,8 +147,9 @@ impl Planner<'_> {
         }
     }
 
-    /// Starts a step that was not scheduled in time. The command is started by a rule as well, so that it takes over in
-    /// the same way and has the same predecessors.
+    /// Starts a step that was not scheduled in time, after the branch `ended`. The command is started by a rule as
+    /// well, so that it takes over in the same way and has the same predecessors. Returns the branch with the new
+    /// commands.
     ///
     /// # Errors
     ///
@@ -178,7 +180,8 @@ impl Planner<'_> {
         Ok(self.launch(place, cause)?.branch)
     }
 
-    /// Unloads successors whose rule was refused. The core unloads the others when it drops their rules.
+    /// Unloads the successors in `ahead` whose rule the core refused. The core itself unloads those whose rule it
+    /// drops.
     pub(super) fn unload_refused(&mut self, ahead: &[Successor]) {
         let refused = |successor: &&Successor| {
             let request = successor.branch.request.as_ref();
@@ -190,7 +193,8 @@ impl Planner<'_> {
         }
     }
 
-    /// Loads the commands of a step and adds the rule that starts them and passes values to their inputs.
+    /// Loads the commands of a step and adds the rule that starts them under the condition `cause` and passes values to
+    /// their inputs.
     fn launch(&mut self, place: NextStep, cause: StartCondition) -> Result<Successor, StartError> {
         let mut branch = self.load(place)?;
         let mut rule = Rule::when(cause.condition);
@@ -207,7 +211,7 @@ impl Planner<'_> {
         Ok(Successor { branch })
     }
 
-    /// Loads the commands of a step. If one cannot be loaded, the others are unloaded.
+    /// Loads the commands of a step and returns them as a branch. If one cannot be loaded, the others are unloaded.
     fn load(&mut self, place: NextStep) -> Result<Branch, StartError> {
         match place {
             NextStep::Run(cursor) => Ok(Branch::new(
@@ -251,8 +255,9 @@ impl Planner<'_> {
         })
     }
 
-    /// Returns the exports of predecessors that are passed to the inputs of a successor: same key and type; the first
-    /// predecessor with a match counts. Each entry is predecessor, export index, input index.
+    /// Returns which exports of the predecessors `from` are passed to inputs of the successor `to`: those with the same
+    /// key and type, from the first predecessor with such an export. Each entry is predecessor, export index, input
+    /// index.
     fn passed_values(&self, from: &[TaskCommand], to: &Image) -> Vec<(CommandId, u32, u32)> {
         let inputs = to.inputs.iter().zip(0u32..);
         let found = inputs.filter_map(|(input, k)| {
@@ -283,7 +288,8 @@ fn has_yield(image: &Image) -> bool {
     }
 }
 
-/// Returns the condition that a command has ended with one of these results, or regularly if it has no named results.
+/// Returns the condition that the command has ended with one of the results in `by`, or without error if it has no
+/// named results.
 fn start_condition(slot: &TaskCommand, by: &ResultSet) -> StartCondition {
     let fact = |fact: Fact| Condition::from_fact(slot.id, fact);
     let any = |results: &[u32]| {

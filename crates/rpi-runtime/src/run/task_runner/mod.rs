@@ -31,18 +31,18 @@ use start_request::StartError;
 
 pub use task_core::{NotStartedError, TaskCore};
 
-/// How a task ended.
+/// How a task has ended.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub enum TaskEnd {
-    /// The last command finished.
+    /// The last command of the plan has finished, without an unhandled error.
     Done,
-    /// A command ended with an unhandled error or could not be started.
+    /// A command ended with an unhandled error or could not be started, or all commands were aborted.
     Failed,
     /// The task was cancelled.
     Cancelled,
 }
 
-/// A task that is executed, with its plan, owned or borrowed.
+/// A running task: its plan, owned or borrowed, and the branch that is executed.
 #[derive(Debug)]
 pub struct Task<P> {
     plan: P,
@@ -53,7 +53,7 @@ pub struct Task<P> {
 }
 
 impl<P: Borrow<ExecutablePlan>> Task<P> {
-    /// Creates a task that has not started yet.
+    /// Creates a task with this plan that has not started yet.
     pub fn new(plan: P) -> Task<P> {
         Task {
             plan,
@@ -69,7 +69,7 @@ impl<P: Borrow<ExecutablePlan>> Task<P> {
         self.end
     }
 
-    /// Returns the commands of the task that run or wait for an immediate start.
+    /// Returns the commands of the task that have not ended: those that run or wait for their immediate start.
     pub fn running(&self) -> Vec<CommandId> {
         let root = self.root.iter();
         let slots = root.flat_map(|branch| branch.commands());
@@ -79,7 +79,7 @@ impl<P: Borrow<ExecutablePlan>> Task<P> {
             .collect()
     }
 
-    /// Updates the state of the task from an event of the core.
+    /// Updates the state of the task's commands and rules from an event of the core.
     pub fn handle_event(&mut self, event: &Event) {
         self.root
             .iter_mut()
@@ -92,13 +92,14 @@ impl<P: Borrow<ExecutablePlan>> Task<P> {
         self.request_end(core);
     }
 
-    /// Handles a forced stop of all commands: no further command is started, and the task has failed.
+    /// Handles an abort of all commands, such as an emergency stop: no further command is started, and the task has
+    /// failed.
     pub fn abort(&mut self, core: &mut dyn TaskCore) {
         self.failed = true;
         self.request_end(core);
     }
 
-    /// Performs all actions of the task that are possible now. Never blocks.
+    /// Performs all actions of the task that are possible now, such as scheduling successors. Never blocks.
     pub fn advance(&mut self, core: &mut dyn TaskCore) {
         if self.end.is_some() {
             return;
@@ -131,7 +132,8 @@ impl<P: Borrow<ExecutablePlan>> Task<P> {
         }
     }
 
-    /// Reacts to a command that could not be started: the running commands of the task are requested to end.
+    /// Reports commands that could not be started, and requests the running commands of the task to end. The task has
+    /// failed.
     fn handle_start_error(&mut self, error: StartError, core: &mut dyn TaskCore) {
         core.report_not_started(&error.indices, error.why);
         self.failed = true;
@@ -146,7 +148,7 @@ impl<P: Borrow<ExecutablePlan>> Task<P> {
         }
     }
 
-    /// Ends the task once no command of it runs any more.
+    /// Ends the task after its last command has ended, and unloads its commands.
     fn finish(&mut self, core: &mut dyn TaskCore) {
         self.end = Some(match (self.cancelled, self.failed) {
             (true, _) => TaskEnd::Cancelled,

@@ -6,12 +6,12 @@ use super::super::plan_cursor::PlanCursor;
 use super::task_core::NotStartedError;
 use crate::control::{Event, Ticket};
 
-/// A loaded command of a task.
+/// A loaded command of a running task, with its position in the plan.
 #[derive(Clone, Debug)]
 pub(super) struct TaskCommand {
     pub(super) id: CommandId,
     pub(super) cursor: PlanCursor,
-    /// Index of the command in the list of the plan.
+    /// Index of the command in the list of images.
     pub(super) index: usize,
     pub(super) first_tick: Option<u64>,
     pub(super) ending: Option<Ending>,
@@ -31,14 +31,14 @@ impl TaskCommand {
     }
 }
 
-/// A request to the core that starts commands, with its answer.
+/// Request to the core that starts commands, directly or by a rule, with the core's answer.
 #[derive(Clone, Debug)]
 pub(super) struct StartRequest {
     pub(super) ticket: Ticket,
     pub(super) rule: Option<RuleId>,
-    /// Reason for which the request or its rule was refused.
+    /// Reason for which the core refused the request, or the rule failed; `None` if neither happened.
     refused: Option<CommandError>,
-    /// True if the rule was dropped or has failed.
+    /// Whether the rule that starts the commands was dropped or has failed.
     dropped: bool,
 }
 
@@ -69,19 +69,21 @@ impl StartRequest {
         }
     }
 
-    /// Returns the reason for which the request starts no command, if it was refused or its rule was dropped.
+    /// Returns the reason for which the request starts no command: it was refused, or its rule was dropped. Returns
+    /// `None` if the commands were started or may still be started.
     pub(super) fn refusal(&self) -> Option<NotStartedError> {
         let dropped = self.dropped.then_some(NotStartedError::Dropped);
         self.refused.map(NotStartedError::Refused).or(dropped)
     }
 
-    /// Returns true if the request did not create a rule. Its commands are then still loaded.
+    /// Returns true if the core refused the request itself, so that there is no rule. The commands are then still
+    /// loaded.
     pub(super) fn was_refused(&self) -> bool {
         self.refused.is_some() && !self.dropped
     }
 }
 
-/// One or more commands that could not be started together, with the reason.
+/// Error: one or more commands that were to start together could not be started.
 #[derive(Clone, PartialEq, Eq, Debug)]
 pub(super) struct StartError {
     pub(super) indices: Vec<usize>,

@@ -15,7 +15,7 @@ pub enum NotStartedError {
     Rejected(RequestError),
     /// The core refused the request.
     Refused(CommandError),
-    /// The rule that would start the command was dropped.
+    /// The rule that would start the command was dropped, because it can no longer fire or was withdrawn.
     Dropped,
 }
 
@@ -29,46 +29,49 @@ impl fmt::Display for NotStartedError {
     }
 }
 
-/// Operations of the control core that tasks use. Commands are identified by their index in the list of the plan. No
-/// method blocks.
+/// Operations of the control core that a running task uses. A command that is not loaded is given by its index in the
+/// list of images, a loaded one by its id. No method blocks.
 pub trait TaskCore {
-    /// Returns the image of a command.
+    /// Returns the image with this index.
     fn image(&self, index: usize) -> Arc<Image>;
 
-    /// Loads a command.
+    /// Loads the command with this index and returns its id.
     ///
     /// # Errors
     /// Returns an error if the command cannot run in the cell or there is no room for it.
     fn load(&mut self, index: usize) -> Result<CommandId, RequestError>;
 
-    /// Requests the start of a command.
+    /// Requests the start of a loaded command. The ticket identifies the answer.
     ///
     /// # Errors
     /// Returns an error if there are too many pending requests.
     fn start(&mut self, id: CommandId) -> Result<Ticket, RequestError>;
 
-    /// Adds a rule.
+    /// Adds a rule that starts commands when its condition holds. Returns its id, and the ticket that identifies the
+    /// answer.
     ///
     /// # Errors
     /// Returns an error if there are too many rules or pending requests.
     fn schedule(&mut self, rule: Rule) -> Result<(RuleId, Ticket), RequestError>;
 
-    /// Requests a command to end.
+    /// Requests a command to end: its input `cancel` becomes true.
     fn cancel(&mut self, id: CommandId);
 
-    /// Unloads a command that does not run.
+    /// Removes a command that does not run from the core.
     fn unload(&mut self, id: CommandId);
 
-    /// Returns true if the successors of a command that started in `first_tick` may be scheduled now.
+    /// Returns true if the successors of a command may be scheduled now. `first_tick` is the number of the tick in
+    /// which the command started; `None` if it has not started. Runs with a simulated planning time wait for this time.
     fn can_plan(&self, first_tick: Option<u64>) -> bool;
 
-    /// Reports a successor that was not scheduled when its predecessor ended. `in_motion` is true if it could have
-    /// taken over in motion.
+    /// Reports a successor that was not scheduled when its predecessor ended. `in_motion` is true if the successor
+    /// could have taken over while the devices moved.
     fn report_late(&mut self, in_motion: bool);
 
-    /// Reports that a branch of the task handles the error with which a command ended.
+    /// Reports that a branch of the task handles the error with which the command ended.
     fn report_handled(&mut self, id: CommandId);
 
-    /// Reports commands that could not be started. `indices` has several entries if they were to start together.
+    /// Reports commands that could not be started, given by index, and the reason. `indices` has several entries if
+    /// they were to start together.
     fn report_not_started(&mut self, indices: &[usize], why: NotStartedError);
 }

@@ -10,8 +10,9 @@ use rpi_diag::{Code, Diagnostic, Span};
 use rpi_syntax::ast::{Contract, Ident, VarDecl};
 use std::collections::BTreeSet;
 
-/// Checks a contract in its block. Returns the conditions that it assumes and the arguments of the contracts that
-/// it imports.
+/// Checks the claims, modes and imports of a contract in the contract's own block of the body. Returns the expressions
+/// that are assumed of the caller: the conditions of the `assume` clauses, the condition that some mode applies, and
+/// the arguments of imported contracts.
 pub(crate) fn check_contract_assumptions<'a>(
     cx: &mut Body<'_, 'a>,
     block: BlockId,
@@ -29,34 +30,41 @@ pub(crate) fn check_contract_assumptions<'a>(
     assumed
 }
 
-/// Reports assumptions of a contract that read an output of the same cycle. In a declared contract the outputs
-/// (`allowed`) are in-ports.
+/// Reports each assumption of a contract that depends on an output of the same cycle. `assumed` are the assumptions.
+/// `allowed` are the outputs of a contract that is declared on its own, where they are in-ports of the contract; empty
+/// for other contracts.
 pub(crate) fn check_assumptions<'a>(
     cx: &mut Body<'_, 'a>,
     assumed: &[ExprId],
     allowed: &'a [VarDecl],
 ) {
     let names: Vec<&Ident> = allowed.iter().flat_map(|port| &port.names).collect();
-    let reads = assumed
-        .iter()
-        .filter_map(|id| find_output_read(cx, *id, &names));
-    let reads: Vec<(FlowId, Span)> = reads.collect();
-    for (output, at) in reads {
+    let reads = assumed.iter().filter_map(|id| {
+        let (output, at) = find_output_read(cx, *id, &names)?;
+        Some((output, at, cx.span_of(*id)))
+    });
+    let reads: Vec<(FlowId, Span, Span)> = reads.collect();
+    for (output, at, assumption) in reads {
         let flow = cx.unit.flow(output);
         let message = format!(
             "an assumption depends on the output `{}` of the same cycle",
             flow.name
         );
-        let help = "an assumption may read inputs, and outputs of earlier cycles through `pre`";
+        let help = "an assumption may read inputs, and outputs of earlier cycles through `pre`; state what the node ensures by `guarantee`";
         let diagnostic = Diagnostic::new(Code::RPI4003, message)
-            .primary(at, "read here")
+            .primary(at, format!("`{}` is read here", flow.name))
             .secondary(flow.span, "declared as an output here")
             .help(help);
+        let diagnostic = match assumption.contains(at) {
+            true => diagnostic,
+            false => diagnostic.secondary(assumption, "this assumption depends on it"),
+        };
         report::report_diagnostic(cx, diagnostic);
     }
 }
 
-/// Returns an output on which the value of an expression depends in the same cycle, and the location where it is read.
+/// Returns an output on which the value of an expression depends in the same cycle, and the location where it is read;
+/// `None` if there is no such output. In-ports with a name in `allowed` count as outputs.
 fn find_output_read(cx: &Body<'_, '_>, id: ExprId, allowed: &[&Ident]) -> Option<(FlowId, Span)> {
     let is_output = |id: FlowId| {
         let flow = cx.unit.flow(id);
@@ -81,7 +89,7 @@ fn find_output_read(cx: &Body<'_, '_>, id: ExprId, allowed: &[&Ident]) -> Option
     None
 }
 
-/// Returns the values of the equations that define a flow.
+/// Returns the values of the equations of the body that define a flow.
 fn defining_values<'s>(cx: &'s Body<'_, '_>, flow: FlowId) -> impl Iterator<Item = ExprId> + 's {
     let defines = move |equation: &&Equation| {
         let mut targets = equation.targets.iter();

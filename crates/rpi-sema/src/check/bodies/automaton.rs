@@ -20,14 +20,15 @@ use rpi_diag::{Code, Diagnostic, Span};
 use rpi_syntax::Name;
 use rpi_syntax::ast::{self, Ident, StatementKind};
 
-/// An automaton with the index of each state by name.
+/// An automaton, and a map from the name of each of its states to the index of the state in text order.
 type StateTable<'a, 'm> = (&'a ast::Automaton, &'m FastMap<Name, u32>);
 
-/// Maximum number of states recorded, for messages, as not defining a shared flow. The product of states and flows
-/// could be large.
+/// Maximum number of states listed in a diagnostic as not defining a flow that other states define. A limit is
+/// necessary because the product of states and flows could be large.
 const MAX_MISSING: usize = 8;
 
-/// Declares the states of an automaton, their bodies, and the flows that they share.
+/// Declares the states of an automaton, the statements in them, and the flows that several states define. Appends the
+/// checks that need the types of all flows to `later`.
 pub(crate) fn declare_automaton<'a>(
     cx: &mut Body<'_, 'a>,
     automaton: &'a ast::Automaton,
@@ -76,8 +77,8 @@ pub(crate) fn declare_automaton<'a>(
     later.push((cx.block, DeferredCheck::Automaton(index, automaton)));
 }
 
-/// Returns the flow outside of the automaton for each name that states define and do not declare (M14.4), in text
-/// order, and its index by name.
+/// Returns the flow outside of the automaton for each name that states define and do not declare (rule M14.4), in text
+/// order, and a map from each name to its index in this list.
 fn declare_shared_flows<'a>(
     cx: &mut Body<'_, 'a>,
     automaton: &'a ast::Automaton,
@@ -104,7 +105,9 @@ fn declare_shared_flows<'a>(
     (flows, places)
 }
 
-/// Declares the local version of each shared flow that a state defines.
+/// Declares a flow local to a state for each flow that the states of an automaton share and that this state defines.
+/// `index` is the index of the automaton in the current block, `block` is the state's block, and `places` has the index
+/// of each shared flow by name.
 fn declare_state_flows<'a>(
     cx: &mut Body<'_, 'a>,
     index: usize,
@@ -131,8 +134,9 @@ fn declare_state_flows<'a>(
     }
 }
 
-/// Adds a flow local to a state that contributes to the shared flow `outer`. If `outer` is declared `T?`, it may be
-/// absent because of other states, so that the absence of this flow is inferred from its own equation.
+/// Adds a flow that is local to a state and gives the value of the shared flow `outer` while the state is active, and
+/// returns it. If `outer` is declared `T?`, it may be absent because of other states only, so that the absence of the
+/// local flow is inferred from its own equation.
 pub(crate) fn add_contribution(cx: &mut Body<'_, '_>, name: &Ident, outer: FlowId) -> FlowId {
     let shared = cx.unit.flow(outer);
     let optional = match shared.optional {
@@ -150,7 +154,8 @@ pub(crate) fn add_contribution(cx: &mut Body<'_, '_>, name: &Ident, outer: FlowI
     version
 }
 
-/// Returns the outer flows that a state's flow contributes to, innermost first.
+/// Returns the flows outside of the automaton that a flow local to a state defines while the state is active, innermost
+/// automaton first. Several flows are returned for nested automata.
 pub(crate) fn enclosing_shared_flows<'s>(
     cx: &'s Body<'_, '_>,
     flow: FlowId,
@@ -159,7 +164,8 @@ pub(crate) fn enclosing_shared_flows<'s>(
     std::iter::successors(outer(&flow), outer)
 }
 
-/// Checks the transitions of an automaton, each in its state.
+/// Checks the transitions of an automaton, and that exactly one state is initial. `index` is the index of the automaton
+/// in the current block.
 pub(crate) fn check_automaton<'a>(
     cx: &mut Body<'_, 'a>,
     index: usize,
@@ -211,7 +217,7 @@ fn check_transitions<'a>(
     checked
 }
 
-/// Returns the index of the target state of a transition; reports an undefined state.
+/// Returns the index of the target state of a transition in text order; `None` after an error about an undefined state.
 fn resolve_target_state<'a>(
     cx: &mut Body<'_, 'a>,
     (automaton, places): StateTable<'a, '_>,
@@ -226,8 +232,8 @@ fn resolve_target_state<'a>(
         let diagnostic = match state_in_other_automaton(cx, &target.name) {
             Some(place) => undefined_names::state_in_other_automaton(target, place),
             None => {
-                let near = cx.checker.suggest(&target.name, names);
-                undefined_names::undefined_state(target, near)
+                let near = cx.checker.suggest(&target.name, names.clone());
+                undefined_names::undefined_state(target, near, names)
             }
         };
         report::report_diagnostic(cx, diagnostic);
@@ -235,7 +241,8 @@ fn resolve_target_state<'a>(
     index
 }
 
-/// Returns where a state of another automaton in an enclosing block is declared.
+/// Returns the location at which a state of another automaton with this name is declared; `None` if no visible
+/// automaton has such a state.
 fn state_in_other_automaton(cx: &Body<'_, '_>, name: &Name) -> Option<Span> {
     match locals::find_local(cx, name)? {
         Local::State(block) => Some(cx.unit.block(block).span),
@@ -244,7 +251,7 @@ fn state_in_other_automaton(cx: &Body<'_, '_>, name: &Name) -> Option<Span> {
     }
 }
 
-/// Whether a block is a state of an automaton.
+/// Whether a block of the body is a state of an automaton.
 pub(crate) fn is_state(cx: &Body<'_, '_>, block: BlockId) -> bool {
     let around = cx.unit.block(block).parent.map(|id| cx.unit.block(id));
     let automata = around.into_iter().flat_map(|around| &around.automata);
@@ -252,7 +259,7 @@ pub(crate) fn is_state(cx: &Body<'_, '_>, block: BlockId) -> bool {
     states.any(|state| state.block == block)
 }
 
-/// Reports states with the same name.
+/// Reports states of an automaton with the same name.
 fn report_duplicate_states(cx: &mut Body<'_, '_>, automaton: &ast::Automaton) {
     let mut known: FastMap<&Name, Span> = FastMap::default();
     for Ident { name, span } in automaton.states.iter().map(|state| &state.name) {
@@ -282,8 +289,8 @@ fn check_initial_state(cx: &mut Body<'_, '_>, automaton: &ast::Automaton) {
     report::report_diagnostic(cx, diagnostic);
 }
 
-/// Whether a state is never active: an unconditional strong transition leaves it before it runs, and no strong
-/// transition enters it.
+/// Whether a state is never active: it has no statements, an unconditional strong transition (`unless`) leaves it
+/// before it runs, and no strong transition enters it.
 fn is_never_active(automaton: &ast::Automaton, state: &ast::State) -> bool {
     let mut strong = automaton.states.iter().flat_map(|other| &other.unless);
     let is_left = state.unless.iter().any(|one| one.condition.is_none());
@@ -292,29 +299,29 @@ fn is_never_active(automaton: &ast::Automaton, state: &ast::State) -> bool {
         && state.body.statements.is_empty()
 }
 
-/// Returns the index of the initial state; 0 if there is none.
+/// Returns the index of the initial state in text order; 0 if no state is declared initial.
 fn initial_index(automaton: &ast::Automaton) -> u32 {
     let index = automaton.states.iter().position(|state| state.is_initial);
     index.and_then(|k| u32::try_from(k).ok()).unwrap_or(0)
 }
 
-/// Returns the names that states define and do not declare, including automata inside of states; each name once, in
-/// text order.
+/// Returns the names that the states of an automaton define and do not declare, including the states of nested
+/// automata. Each name occurs once, in text order.
 pub(crate) fn shared_names(automaton: &ast::Automaton) -> Vec<&Ident> {
     let mut known: FastSet<&Name> = FastSet::default();
     let names = automaton.states.iter().flat_map(names_defined_in_state);
     names.filter(|name| known.insert(&name.name)).collect()
 }
 
-/// Returns the names that the equations of a state, or of automata inside of it, define and that the state does not
-/// declare.
+/// Returns the names that a state defines without declaring them, by its own equations or by those of automata inside
+/// of it.
 fn names_defined_in_state(state: &ast::State) -> Vec<&Ident> {
     let mut names = names_defined_by_equations(state);
     names.extend(names_defined_in_nested_automata(state));
     names
 }
 
-/// Returns the names that automata inside of a state define and that the state does not declare.
+/// Returns the names that automata inside of a state define and that neither their states nor this state declare.
 fn names_defined_in_nested_automata(state: &ast::State) -> Vec<&Ident> {
     let declared = declared_names(state);
     let automata = state.body.statements.iter().filter_map(|s| match &s.kind {
@@ -328,7 +335,8 @@ fn names_defined_in_nested_automata(state: &ast::State) -> Vec<&Ident> {
         .collect()
 }
 
-/// Returns the names that the equations of a state define as a whole and that the state does not declare.
+/// Returns the names on the left sides of a state's equations that the state does not declare. Names of which only a
+/// part is defined, as in `a[0] = 1`, are left out.
 fn names_defined_by_equations(state: &ast::State) -> Vec<&Ident> {
     let declared = declared_names(state);
     let equations = state.body.statements.iter().filter_map(|s| match &s.kind {
@@ -344,7 +352,7 @@ fn names_defined_by_equations(state: &ast::State) -> Vec<&Ident> {
         .collect()
 }
 
-/// Returns the names of the flows and constants that a state declares for itself, which shadow those around the
+/// Returns the set of names of the flows and constants that a state declares itself. They hide names around the
 /// automaton.
 fn declared_names(state: &ast::State) -> FastMap<&Name, ()> {
     let mut declared: FastMap<&Name, ()> = FastMap::default();

@@ -8,6 +8,7 @@ use crate::check::bodies::body::Body;
 use crate::check::bodies::locals;
 use crate::check::bodies::statement;
 use crate::check::diagnostics::report;
+use crate::check::diagnostics::report::join_names;
 use crate::check::exprs::bindings::NotEvaluable;
 use crate::check::exprs::ops;
 use crate::check::signatures::imported;
@@ -19,7 +20,7 @@ use rpi_syntax::Name;
 use rpi_syntax::ast::{self, Contract, ContractMode, Locals};
 use rpi_syntax::ops::BinaryOp;
 
-/// Declares the flows or constants of a section of a contract.
+/// Declares the flows or constants of a section (`var` or `const`) of local declarations in a contract.
 fn declare_section<'a>(cx: &mut Body<'_, 'a>, section: &'a Locals) {
     match section {
         Locals::Var(vars) => vars.iter().for_each(|var| {
@@ -34,7 +35,7 @@ fn declare_section<'a>(cx: &mut Body<'_, 'a>, section: &'a Locals) {
     }
 }
 
-/// Declares the names of a contract of the current block and returns its block.
+/// Adds a block for the contract of the current block, declares the names of the contract in it, and returns the block.
 pub(crate) fn declare_contract<'a>(cx: &mut Body<'_, 'a>, contract: &'a Contract) -> BlockId {
     let block = locals::add_block(cx, &Name::from("contract"), contract.span);
     cx.unit.blocks[block.0 as usize].is_contract = true;
@@ -55,7 +56,8 @@ pub(crate) fn declare_contract<'a>(cx: &mut Body<'_, 'a>, contract: &'a Contract
     block
 }
 
-/// Reports a local name of a contract that is also the name of a port, because claims could not refer to the port.
+/// Reports a local flow of a contract that has the name of a port of the node, because claims could not refer to the
+/// port.
 fn report_hidden_ports(cx: &mut Body<'_, '_>, name: &ast::Ident) {
     let is_twice_here = locals::find_in_block(cx, cx.block, &name.name).is_some();
     if let Some(port) = port_span(cx, &name.name).filter(|_| !is_twice_here) {
@@ -64,8 +66,8 @@ fn report_hidden_ports(cx: &mut Body<'_, '_>, name: &ast::Ident) {
     }
 }
 
-/// Returns the diagnostic for a contract that reads a local flow of the body that it describes; `None` if `name` is no
-/// such flow.
+/// Returns the diagnostic for a contract that reads `name`, a local flow of the body whose contract it is; `None` if
+/// the body has no such local flow. `span` is the location of the read.
 pub(crate) fn hidden_local_error(cx: &Body<'_, '_>, name: &Name, span: Span) -> Option<Diagnostic> {
     let mut vars = cx
         .contract
@@ -85,15 +87,15 @@ pub(crate) fn hidden_local_error(cx: &Body<'_, '_>, name: &Name, span: Span) -> 
     )))
 }
 
-/// Returns the location of the flow around a contract that has this name. The in-ports of a declared contract do
-/// not count, as they belong to the importing node.
+/// Returns the location of the flow `name` that is visible around a contract. `None` if there is none, or if it is an
+/// in-port of a contract declared on its own.
 fn port_span(cx: &Body<'_, '_>, name: &Name) -> Option<Span> {
     let flow = cx.find_flow(name).map(|flow| cx.unit.flow(flow));
-    let flow = flow.filter(|flow| !cx.contract.is_contract || flow.role != FlowRole::Input);
+    let flow = flow.filter(|flow| !cx.unit.is_contract || flow.role != FlowRole::Input);
     flow.map(|flow| flow.span)
 }
 
-/// Records the modes of a contract; reports a mode with the name of another mode or of a flow.
+/// Records the modes of a contract. Reports a mode with the name of another mode or of a flow.
 fn declare_modes<'a>(cx: &mut Body<'_, 'a>, contract: &'a Contract) {
     for (k, mode) in contract.modes.iter().enumerate() {
         let name = &mode.name;
@@ -109,8 +111,8 @@ fn declare_modes<'a>(cx: &mut Body<'_, 'a>, contract: &'a Contract) {
     cx.contract.modes = contract.modes.iter().collect();
 }
 
-/// Checks `::m`, a Boolean that is true while mode `m` of the contract applies, or `::c::m` for a mode of an imported
-/// contract.
+/// Checks a reference to a mode and returns a Boolean expression that is true while the mode applies. `m` is a mode of
+/// the contract being checked (written `::m`), and `c::m` is a mode of an imported contract.
 pub(crate) fn mode_condition(cx: &mut Body<'_, '_>, name: &str, span: Span) -> ExprId {
     if let Some((contract, mode)) = name.split_once("::") {
         return imported::imported_mode_condition(cx, contract, mode, span);
@@ -128,6 +130,14 @@ pub(crate) fn mode_condition(cx: &mut Body<'_, '_>, name: &str, span: Span) -> E
         );
         let diagnostic =
             crate::check::diagnostics::report::undefined_name("mode", name, span, near);
+        let names = cx.contract.modes.iter().map(|mode| mode.name.name.as_str());
+        let diagnostic = match cx.contract.modes.is_empty() {
+            true => diagnostic.help("declare it: `mode ... (require ...; ensure ...;);`"),
+            false => diagnostic.help(match cx.contract.modes.len() {
+                1 => format!("the only mode of this contract is {}", join_names(names)),
+                _ => format!("the modes of this contract are {}", join_names(names)),
+            }),
+        };
         return cx.report_error_expr(diagnostic, span);
     };
     if cx.contract.modes_in_progress.contains(&mode.name.name) {
@@ -139,6 +149,12 @@ pub(crate) fn mode_condition(cx: &mut Body<'_, '_>, name: &str, span: Span) -> E
             .primary(span, format!("the condition of `{name}` reads it"))
             .secondary(mode.name.span, "declared here")
             .help("state the condition of one of the modes by flows instead of modes");
+        let diagnostic =
+            modes_between(cx, name)
+                .into_iter()
+                .fold(diagnostic, |diagnostic, (other, span)| {
+                    diagnostic.secondary(span, format!("`{name}` depends on the mode `{other}`"))
+                });
         return cx.report_error_expr(diagnostic, span);
     }
     cx.contract.modes_in_progress.push(mode.name.name.clone());
@@ -147,7 +163,23 @@ pub(crate) fn mode_condition(cx: &mut Body<'_, '_>, name: &str, span: Span) -> E
     applies
 }
 
-/// Returns the condition under which a mode applies: the conjunction of its requirements.
+/// Returns the modes on the dependency cycle of the mode `name`, apart from that mode itself, with their places.
+fn modes_between(cx: &Body<'_, '_>, name: &str) -> Vec<(Name, Span)> {
+    let open = &cx.contract.modes_in_progress;
+    let from = open.iter().position(|mode| *mode == *name);
+    let between = &open[from.map_or(open.len(), |at| at + 1)..];
+    let place = |name: &Name| {
+        let mode = cx
+            .contract
+            .modes
+            .iter()
+            .find(|mode| mode.name.name == *name)?;
+        Some((name.clone(), mode.name.span))
+    };
+    between.iter().filter_map(place).collect()
+}
+
+/// Returns the condition under which a mode applies: the conjunction of its `require` clauses.
 fn requirement_condition<'a>(cx: &mut Body<'_, 'a>, mode: &'a ContractMode) -> ExprId {
     let requires = mode.requires.iter();
     let requires = requires
@@ -156,7 +188,7 @@ fn requirement_condition<'a>(cx: &mut Body<'_, 'a>, mode: &'a ContractMode) -> E
     join_conditions(cx, BinaryOp::And, requires, mode.name.span)
 }
 
-/// Checks the claims and modes of a contract in its block.
+/// Checks the claims and modes of a contract in the current block, and adds the claim that at least one mode applies.
 pub(crate) fn check_contract<'a>(cx: &mut Body<'_, 'a>, contract: &'a Contract) {
     for claim in &contract.claims {
         check_claim(cx, claim, claim.condition.span);
@@ -181,7 +213,8 @@ pub(crate) fn check_contract<'a>(cx: &mut Body<'_, 'a>, contract: &'a Contract) 
     });
 }
 
-/// Checks a mode and returns the condition under which it applies.
+/// Checks a mode of a contract: adds a claim for each `ensure` clause, which must hold while the mode applies. Returns
+/// the condition under which the mode applies.
 fn check_mode<'a>(cx: &mut Body<'_, 'a>, mode: &'a ContractMode) -> ExprId {
     cx.contract.modes_in_progress.push(mode.name.name.clone());
     let applies = requirement_condition(cx, mode);
@@ -203,7 +236,7 @@ fn check_mode<'a>(cx: &mut Body<'_, 'a>, mode: &'a ContractMode) -> ExprId {
     applies
 }
 
-/// Joins conditions by an operator; returns `true` if there are none.
+/// Returns an expression that joins conditions by the operator `by`; the constant `true` if there are no conditions.
 fn join_conditions(
     cx: &mut Body<'_, '_>,
     by: BinaryOp,
@@ -216,7 +249,8 @@ fn join_conditions(
     joined.unwrap_or_else(|| cx.add(TypedKind::Literal(Leaf::bool(true)), Ty::Bool, span))
 }
 
-/// Checks the condition of a claim; returns `None` if no run can evaluate it.
+/// Checks the condition of a claim and returns its expression. Returns `None`, with a warning, if the condition cannot
+/// be evaluated at run time because of a quantifier.
 fn check_claim_condition<'a>(cx: &mut Body<'_, 'a>, condition: &'a ast::Expr) -> Option<ExprId> {
     let before = cx.diagnostics.len();
     cx.contract.claim_check = Some(NotEvaluable::default());

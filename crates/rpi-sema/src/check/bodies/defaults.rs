@@ -15,8 +15,8 @@ use crate::typed::FlowId;
 use rpi_syntax::Name;
 use rpi_syntax::ast::{Ident, Statement, StatementKind};
 
-/// Declares the default flows of the current block: those of equations beside an automaton whose states define the same
-/// flow.
+/// Declares the default flows of the current block. A default flow has the value of an equation beside an automaton
+/// whose states define the same name. It applies in states without an equation for that name.
 pub(crate) fn declare_defaults(cx: &mut Body<'_, '_>, statements: &[Statement]) {
     let shared = defined_by_states(statements);
     if shared.is_empty() {
@@ -29,7 +29,8 @@ pub(crate) fn declare_defaults(cx: &mut Body<'_, '_>, statements: &[Statement]) 
     }
 }
 
-/// Declares the default flow for a flow that the states of an automaton share.
+/// Declares the default flow for the flow `name` of the current block, which states of an automaton define and which
+/// also has an equation beside the automaton.
 fn declare_default(cx: &mut Body<'_, '_>, name: &Ident) {
     let shared = match locals::find_in_block(cx, cx.block, &name.name) {
         Some(Local::Flow(flow)) if cx.unit.flow(flow).role.has_equation() => flow,
@@ -46,7 +47,8 @@ fn declare_default(cx: &mut Body<'_, '_>, name: &Ident) {
     }
 }
 
-/// Returns the flow that an equation for `flow` in the current block defines: its default flow, if there is one.
+/// Returns the flow that an equation for `flow` in the current block defines: the default flow of `flow` if it has one
+/// in this block, else `flow` itself.
 pub(crate) fn defined_flow(cx: &Body<'_, '_>, flow: FlowId) -> FlowId {
     match cx.shared.defaults.get(&flow) {
         Some(default) if cx.unit.flow(*default).block == cx.block => *default,
@@ -54,13 +56,14 @@ pub(crate) fn defined_flow(cx: &Body<'_, '_>, flow: FlowId) -> FlowId {
     }
 }
 
-/// Returns the default of a shared flow: its own, or that of an outer shared flow to which it contributes.
+/// Returns the flow that gives the value of `flow` in states without an equation for it: the default of `flow`, or that
+/// of a flow outside of the automaton that `flow` defines. `None` if there is no default.
 pub(crate) fn shared_flow_default(cx: &Body<'_, '_>, flow: FlowId) -> Option<FlowId> {
     let mut around = std::iter::once(flow).chain(automaton::enclosing_shared_flows(cx, flow));
     around.find_map(|flow| cx.shared.defaults.get(&flow).copied())
 }
 
-/// Returns the names that the states of a body's automata define and do not declare.
+/// Returns the names that the states of the automata among these statements define and do not declare.
 fn defined_by_states(statements: &[Statement]) -> FastSet<&Name> {
     let automata = statements.iter().filter_map(|s| match &s.kind {
         StatementKind::Automaton(automaton) => Some(&**automaton),
@@ -70,7 +73,8 @@ fn defined_by_states(statements: &[Statement]) -> FastSet<&Name> {
     names.map(|name| &name.name).collect()
 }
 
-/// Returns the names on the left sides of a body's equations, including those defined part by part.
+/// Returns the names on the left sides of the equations among these statements, including names of which a part is
+/// defined.
 fn defined_by_equations(statements: &[Statement]) -> impl Iterator<Item = &Ident> {
     let equations = statements.iter().filter_map(|s| match &s.kind {
         StatementKind::Equation(equation) => Some(&**equation),

@@ -7,7 +7,7 @@ use crate::typed::{
 };
 use rpi_diag::{Code, Diagnostic, Span};
 
-/// Reports flows that are not defined exactly once.
+/// Reports flows of the body that are not defined, not completely defined, or defined more than once.
 pub(crate) fn check_definitions(cx: &mut Body<'_, '_>) {
     let mut parts = defined_parts(cx);
     parts.sort_unstable_by_key(|part| (part.flow, part.at, part.span));
@@ -27,8 +27,8 @@ pub(crate) fn check_definitions(cx: &mut Body<'_, '_>) {
     check_actuator_definitions(cx);
 }
 
-/// Reports actuator ports that are defined twice. Conflicts between the ports of one actuator depend on when
-/// fragments are active, and are checked by the passes over the net.
+/// Reports actuator ports that are defined twice. Conflicts between different ports of one actuator depend on when
+/// fragments are active; they are checked after elaboration to a net.
 fn check_actuator_definitions(cx: &mut Body<'_, '_>) {
     let mut defined: Vec<((FlowId, u32), Span, BlockId)> = Vec::new();
     let blocks = (0..).map(BlockId).zip(&cx.unit.blocks);
@@ -51,7 +51,9 @@ fn check_actuator_definitions(cx: &mut Body<'_, '_>) {
                     true => {
                         "define one flow in all states, and define the port by that flow outside of the automaton"
                     }
-                    false => "merge the alternatives into one equation by `??`",
+                    false => {
+                        "delete one of them, or choose between the two values in one equation: `if ... then ... else ...`"
+                    }
                 };
                 diagnostics
                     .push(duplicate_actuator_definition(&name, target.span, *first).help(help));
@@ -77,7 +79,7 @@ fn defined_parts(cx: &Body<'_, '_>) -> Vec<DefinedPart> {
     parts
 }
 
-/// Returns the definition of a shared flow by an automaton. Its location is that of the first state that defines
+/// Returns the definition of a flow by the states of an automaton. The location is that of the first state that defines
 /// the flow.
 fn automaton_part(cx: &Body<'_, '_>, shared: &SharedFlow) -> DefinedPart {
     let count = cx.unit.flow(shared.flow).ty.leaf_count();
@@ -98,12 +100,13 @@ struct DefinedPart {
     at: u32,
     count: u32,
     span: Span,
-    /// Whether the states of an automaton define the part.
+    /// Whether the states of an automaton define the part, and not a single equation.
     by_automaton: bool,
 }
 
 impl DefinedPart {
-    /// Returns the part that a target defines; `None` if it is not a flow.
+    /// Returns the part of a flow that a target of an equation defines; `None` if the target is not a flow but, for
+    /// example, an actuator port.
     fn from_target(target: &Target) -> Option<DefinedPart> {
         let TargetPlace::Flow { flow, at } = target.place else {
             return None;
@@ -118,7 +121,8 @@ impl DefinedPart {
     }
 }
 
-/// Returns the diagnostic for a flow that is defined twice or not completely. `parts` must be sorted by `at`.
+/// Returns the diagnostic for a flow that is defined twice or not completely; `None` if the definition is correct.
+/// `parts` are the defined parts of this flow, sorted by `at`.
 fn definition_error(unit: &Unit, id: FlowId, parts: &[DefinedPart]) -> Option<Diagnostic> {
     let flow = unit.flow(id);
     for pair in parts.windows(2) {
@@ -127,7 +131,9 @@ fn definition_error(unit: &Unit, id: FlowId, parts: &[DefinedPart]) -> Option<Di
                 true => {
                     "states of several automata define it; declare it in the state by `var` if it is local to the state"
                 }
-                false => "merge the alternatives into one equation by `if` or `??`",
+                false => {
+                    "delete one of them, or choose between the two values in one equation: `if ... then ... else ...`"
+                }
             };
             return Some(duplicate_definition(flow, pair[1].span, pair[0].span).help(help));
         }
@@ -151,8 +157,8 @@ fn duplicate_definition(flow: &typed::Flow, again: Span, first: Span) -> Diagnos
         .secondary(first, "first defined here")
 }
 
-/// Returns a flow of an inline fragment that has the same name as an undefined flow around the fragment, with the
-/// fragment's block. Its equation was probably meant for the outer flow.
+/// Returns a flow of an inline fragment that has the same name as the undefined flow `id` outside of the fragment, with
+/// the fragment's block. The equation of the inner flow was probably meant for the outer flow.
 fn shadowing_flow(unit: &Unit, id: FlowId) -> Option<(&typed::Flow, &Block)> {
     let flow = unit.flow(id);
     let alike = unit.flows.iter().filter(|other| other.name == flow.name);
@@ -160,7 +166,8 @@ fn shadowing_flow(unit: &Unit, id: FlowId) -> Option<(&typed::Flow, &Block)> {
     inside.find(|(_, block)| block.when.is_some() && block.parent == Some(flow.block))
 }
 
-/// Returns the diagnostic for a flow that is not, or not completely, defined.
+/// Returns the diagnostic for a flow without a definition, or with a definition of some of its leaves only. `parts` are
+/// the defined parts.
 fn undefined_flow(unit: &Unit, id: FlowId, parts: &[DefinedPart]) -> Diagnostic {
     let flow = unit.flow(id);
     let diagnostic = Diagnostic::new(Code::RPI1009, format!("`{}` is never defined", flow.name));

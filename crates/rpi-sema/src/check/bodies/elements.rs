@@ -25,13 +25,13 @@ use rpi_net::passes::causality::{self, Read};
 use rpi_syntax::ast::{Access, Equation, Expr, ExprKind, Ident, Statement, StatementKind, Target};
 use rpi_syntax::ops::{BinaryOp, UnaryOp};
 
-/// Maximum number of elements that one equation may define.
+/// Maximum number of array elements that one equation such as `a[i] = i` may define.
 const MAX_ELEMENTS: u64 = 1 << 14;
 
-/// Maximum length of a dependency cycle of arrays that the search considers. The search takes exponential time.
+/// Maximum number of equations in a dependency cycle for which the search looks. The search takes exponential time.
 const MAX_CYCLE: usize = 12;
 
-/// Whether an equation defines an array element by element.
+/// Whether an equation of Lustre defines an array element by element, as in `a[i] = b[i] + 1`.
 pub(crate) fn defines_elements(cx: &Body<'_, '_>, equation: &Equation) -> bool {
     !unit::reads_rpi_syntax(cx)
         && equation
@@ -40,7 +40,7 @@ pub(crate) fn defines_elements(cx: &Body<'_, '_>, equation: &Equation) -> bool {
             .any(|target| elementwise_array_name(cx, target).is_some())
 }
 
-/// Counts the equations that define parts of each array.
+/// Counts for each name the equations of Lustre that define a part of the flow with this name.
 pub(crate) fn count_parts(cx: &mut Body<'_, '_>, statements: &[Statement]) {
     if unit::reads_rpi_syntax(cx) {
         return;
@@ -57,7 +57,8 @@ pub(crate) fn count_parts(cx: &mut Body<'_, '_>, statements: &[Statement]) {
     }
 }
 
-/// Returns the name of the array, if the first index of the target is an undeclared name.
+/// Returns the name of the array on the left side of an equation if its first index is an undeclared name, as in
+/// `a[i]`; `None` for any other target.
 fn elementwise_array_name<'t>(cx: &Body<'_, '_>, target: &'t Target) -> Option<&'t Ident> {
     let Some(Access::Index(index)) = target.path.first() else {
         return None;
@@ -81,7 +82,8 @@ fn elementwise_array_name<'t>(cx: &Body<'_, '_>, target: &'t Target) -> Option<&
     (!known && is_array).then_some(&target.name)
 }
 
-/// Expands an equation that defines an array element by element to one pending equation per element.
+/// Expands an equation such as `a[i] = b[i] + 1` to one pending equation for each element of the array. Reports an
+/// equation that cannot be expanded.
 pub(crate) fn expand_element_equation<'a>(
     cx: &mut Body<'_, 'a>,
     equation: &'a Equation,
@@ -142,7 +144,7 @@ pub(crate) fn expand_element_equation<'a>(
     }
 }
 
-/// Returns the sizes of nested arrays, outermost first, and the type of their elements.
+/// Returns the size of each dimension of nested arrays, outermost first, and the type of the innermost elements.
 fn dimensions(mut ty: Ty) -> (Vec<u32>, Ty) {
     let mut sizes = Vec::new();
     while let Ty::Array(element, n) = ty {
@@ -152,7 +154,7 @@ fn dimensions(mut ty: Ty) -> (Vec<u32>, Ty) {
     (sizes, ty)
 }
 
-/// Reports an array that cannot be defined by its elements.
+/// Reports an equation that cannot define its arrays element by element. `why` is the reason for the label.
 fn report_invalid_element_equation(
     cx: &mut Body<'_, '_>,
     targets: &[Target],
@@ -169,11 +171,18 @@ fn report_invalid_element_equation(
         "this array cannot be defined by its elements",
     )
     .primary(span, why.to_owned())
-    .help("write `a[i][j] = ...;` with an index for each dimension");
+    .help(match targets {
+        [target] => format!(
+            "write an index for each dimension, such as `{}[i][j] = ...;` for two",
+            target.name.name
+        ),
+        _ => "write an equation of its own for each array".to_owned(),
+    });
     report::report_diagnostic(cx, diagnostic);
 }
 
-/// Runs `work` with the index variables of an element equation bound to their values.
+/// Runs `work` with the index variables of a pending equation bound to their values. `index` is the index of the
+/// equation in `pending`.
 pub(crate) fn with_index_bindings<'c, 'a, T>(
     cx: &mut Body<'c, 'a>,
     index: usize,
@@ -188,7 +197,8 @@ pub(crate) fn with_index_bindings<'c, 'a, T>(
     result
 }
 
-/// Checks the equation of one element. The same error is reported only once for all elements.
+/// Checks the equation of one array element. `index` is the index of the equation in `pending`. An error that has been
+/// reported for the first element is not reported again.
 pub(crate) fn check_element_equation(cx: &mut Body<'_, '_>, index: usize) {
     let is_first = cx.pending[index].indices.iter().all(|(_, at)| *at == 0);
     let before = cx.diagnostics.len();
@@ -199,7 +209,8 @@ pub(crate) fn check_element_equation(cx: &mut Body<'_, '_>, index: usize) {
     }
 }
 
-/// Returns the value of a condition on array indices; `None` if it depends on anything else.
+/// Returns the value of a condition that depends on array indices and constants only; `None` for other conditions.
+/// `value` is the typed expression of `condition`.
 pub(crate) fn const_condition(
     cx: &mut Body<'_, '_>,
     condition: &Expr,
@@ -213,7 +224,8 @@ pub(crate) fn const_condition(
         .and_then(Leaf::as_bool)
 }
 
-/// Reports elements that depend on themselves or on later elements.
+/// Reports arrays that are defined element by element such that an element depends on itself or on a later element in
+/// the same cycle.
 pub(crate) fn check_element_order(cx: &mut Body<'_, '_>) {
     let equations = cx.definitions.element_equations.clone();
     let mut links = Vec::new();
@@ -261,11 +273,18 @@ fn report_variable_offset(cx: &mut Body<'_, '_>, equation: &Equation, span: Span
     )
     .primary(span, "not at a fixed distance from the defined element")
     .secondary(name.span, "defined by its elements here")
-    .help("read an earlier element: `a[i - 1]`");
+    .help(match index_names(&equation.targets[0]).as_deref() {
+        Some([index]) => format!(
+            "read an element at a fixed distance before it, such as `{}[{} - 1]`",
+            name.name, index.name
+        ),
+        _ => "read elements at a fixed distance before it".to_owned(),
+    });
     report::report_diagnostic(cx, diagnostic);
 }
 
-/// Reports equations of single array elements that depend on one another in one cycle.
+/// Reports equations of array elements that depend on one another in one cycle. `ring` is the dependency cycle; it
+/// refers to `equations` by index.
 fn report_element_cycle<'a>(
     cx: &mut Body<'_, 'a>,
     equations: &[&'a Equation],
@@ -276,11 +295,14 @@ fn report_element_cycle<'a>(
         from: name(link.to),
         to: name(link.from),
         span: link.span,
-        further_spans: Vec::new(),
     });
     let reads: Vec<Read> = reads.collect();
     let help = "elements are defined in ascending order: read an earlier one, `a[i - 1]`";
-    report::report_diagnostic(cx, causality::dependency_cycle(&reads).help(help));
+    let diagnostic = Diagnostic {
+        help: vec![help.to_owned()],
+        ..causality::dependency_cycle(&reads)
+    };
+    report::report_diagnostic(cx, diagnostic);
     let flows = ring
         .iter()
         .filter_map(|link| cx.find_flow(&equations[link.from].targets[0].name.name));
@@ -288,16 +310,17 @@ fn report_element_cycle<'a>(
     cx.reported.erroneous_flows.extend(flows);
 }
 
-/// Dependency of the elements of one array on those of another. Arrays are indices of equations.
+/// Read of elements of one array in the equation that defines another array element by element. `from` is the index of
+/// the equation that reads, and `to` is the index of the equation that defines the array that is read.
 struct ElementDependency {
     from: usize,
     to: usize,
-    /// Difference between the index read and the index defined, for each dimension.
+    /// Index that is read minus index that is defined, for each dimension: -1 for `a[i - 1]` in the equation of `b[i]`.
     offset: Vec<i64>,
     span: Span,
 }
 
-/// Returns the names of all indices of a target; `None` if one is not a plain name.
+/// Returns the index names of a target such as `a[i][j]`; `None` if an index is not a plain name.
 fn index_names(target: &Target) -> Option<Vec<Ident>> {
     let name = |access: &Access| match access {
         Access::Index(index) => Some(Ident {
@@ -309,7 +332,8 @@ fn index_names(target: &Target) -> Option<Vec<Ident>> {
     target.path.iter().map(name).collect()
 }
 
-/// Returns the indices of the element at a row-major position.
+/// Returns the indices of the array element at the row-major position `at`. `sizes` has the size of each dimension,
+/// outermost first.
 fn element_indices(mut at: u64, sizes: &[u32]) -> Vec<i64> {
     let mut indices: Vec<i64> = Vec::with_capacity(sizes.len());
     for n in sizes.iter().rev() {
@@ -321,7 +345,8 @@ fn element_indices(mut at: u64, sizes: &[u32]) -> Vec<i64> {
     indices
 }
 
-/// Collects the elements that an expression reads in the same cycle: array, indices, location.
+/// Appends the array elements that an expression reads in the current cycle to `reads`: the array's name, the index
+/// expressions, and the location.
 fn element_reads<'e>(expr: &'e Expr, reads: &mut Vec<(&'e rpi_syntax::Name, Vec<&'e Expr>, Span)>) {
     let mut base = expr;
     let mut indices = Vec::new();
@@ -343,7 +368,8 @@ fn element_reads<'e>(expr: &'e Expr, reads: &mut Vec<(&'e rpi_syntax::Name, Vec<
     }
 }
 
-/// Returns the offset of an index expression from the index variable: 1 for `i + 1`; `None` for other expressions.
+/// Returns the difference between an index expression and the index variable `name`: 1 for `i + 1`; `None` for
+/// expressions of another form.
 fn index_offset(index: &Expr, name: &Ident) -> Option<i64> {
     let is_index = |expr: &Expr| expr.unparen().as_name() == Some(&name.name);
     let number = |expr: &Expr| match &expr.unparen().kind {
@@ -361,8 +387,9 @@ fn index_offset(index: &Expr, name: &Ident) -> Option<i64> {
     }
 }
 
-/// Returns a dependency cycle of elements from `at` back to `start` whose total offset is not negative. `so_far` is the
-/// offset and `way` the path up to `at`.
+/// Searches for a dependency cycle of array elements from equation `at` back to equation `start` whose total index
+/// offset is not negative, and returns it; `None` if there is none. `way` is the path from `start` to `at`, and
+/// `so_far` is the offset of this path for each dimension.
 fn find_nonnegative_cycle<'l>(
     links: &'l [ElementDependency],
     start: usize,

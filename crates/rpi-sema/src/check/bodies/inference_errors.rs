@@ -15,28 +15,29 @@ use rpi_net::passes::causality::{self, Read};
 use rpi_net::passes::dependency_cycles::CyclicComponents;
 use std::collections::BTreeMap;
 
-/// Read of a flow of unknown type by the equation of another flow.
+/// Read of a flow whose type could not be inferred, in an equation whose own type could not be inferred.
 #[derive(Clone, Copy)]
 struct UnknownFlowRead {
-    /// Index of the equation that defines the flow.
+    /// Index in `pending` of the equation that defines the flow.
     from: usize,
-    /// Index of the equation that reads the flow.
+    /// Index in `pending` of the equation that reads the flow.
     to: usize,
     span: Span,
-    /// Whether the flow is read in the current cycle, not through `pre`.
+    /// Whether the flow is read in the current cycle, rather than through a delay such as `pre`.
     in_same_cycle: bool,
 }
 
-/// Reports flows whose types cannot be inferred. Dependency cycles within one cycle come first, because no guess
-/// resolves them.
+/// Reports flows whose types cannot be inferred. Flows that depend on one another in the same cycle are reported first,
+/// because no guess determines their types.
 pub(crate) fn report_unknown_types(cx: &mut Body<'_, '_>) {
     report_uninferred_cycles(cx, true);
     type_inference::guess_from_numbers(cx, GuessPolicy::Factors);
     report_uninferred_cycles(cx, false);
 }
 
-/// Reports strongly connected components of flows of unknown type: with `only_now` those within one cycle, each by
-/// its shortest dependency cycle; otherwise one flow of each component.
+/// Reports groups of equations of unknown type that depend on one another. With `only_now`, only dependencies in the
+/// same cycle count, and the shortest dependency cycle of each group is reported; otherwise one flow of each group is
+/// reported.
 fn report_uninferred_cycles(cx: &mut Body<'_, '_>, only_now: bool) {
     let equations = 0..cx.pending.len();
     let open: Vec<usize> = equations
@@ -46,13 +47,6 @@ fn report_uninferred_cycles(cx: &mut Body<'_, '_>, only_now: bool) {
         .iter()
         .flat_map(|index| unknown_reads(cx, *index))
         .collect();
-    let mut places: BTreeMap<(usize, usize), Vec<Span>> = BTreeMap::new();
-    for link in links.iter().filter(|link| link.in_same_cycle) {
-        places
-            .entry((link.from, link.to))
-            .or_default()
-            .push(link.span);
-    }
     let mut graph: DiGraph<usize, UnknownFlowRead> = DiGraph::new();
     let vertices: BTreeMap<usize, NodeIndex> =
         (open.iter().map(|index| (*index, graph.add_node(*index)))).collect();
@@ -71,7 +65,7 @@ fn report_uninferred_cycles(cx: &mut Body<'_, '_>, only_now: bool) {
             true => {
                 let ring = rings.shortest_cycle(k);
                 let ring: Vec<UnknownFlowRead> = ring.into_iter().map(|edge| graph[edge]).collect();
-                report_type_cycle(cx, &ring, &places);
+                report_type_cycle(cx, &ring);
             }
             false => cannot_infer_type(cx, graph[component[0]]),
         }
@@ -87,7 +81,7 @@ fn is_uninferred(cx: &Body<'_, '_>, index: usize) -> bool {
     pending.state == EquationState::Guessed && pending.inferred_flows.iter().flatten().any(is_open)
 }
 
-/// Returns the reads of flows of unknown type in an equation.
+/// Returns the reads of flows of unknown type in the pending equation with this index.
 fn unknown_reads(cx: &mut Body<'_, '_>, index: usize) -> Vec<UnknownFlowRead> {
     let mark = type_inference::checkpoint(cx);
     cx.inference.unknown_reads.clear();
@@ -108,25 +102,17 @@ fn unknown_reads(cx: &mut Body<'_, '_>, index: usize) -> Vec<UnknownFlowRead> {
     reads.collect()
 }
 
-fn report_type_cycle(
-    cx: &mut Body<'_, '_>,
-    ring: &[UnknownFlowRead],
-    places: &BTreeMap<(usize, usize), Vec<Span>>,
-) {
-    let read = |link: &UnknownFlowRead| {
-        let all = places.get(&(link.from, link.to)).into_iter().flatten();
-        Read {
-            from: first_flow_name(cx, link.from),
-            to: first_flow_name(cx, link.to),
-            span: link.span,
-            further_spans: all.copied().filter(|span| *span != link.span).collect(),
-        }
+fn report_type_cycle(cx: &mut Body<'_, '_>, ring: &[UnknownFlowRead]) {
+    let read = |link: &UnknownFlowRead| Read {
+        from: first_flow_name(cx, link.from),
+        to: first_flow_name(cx, link.to),
+        span: link.span,
     };
     let reads: Vec<Read> = ring.iter().map(read).collect();
     report::report_diagnostic(cx, causality::dependency_cycle(&reads));
 }
 
-/// Returns the name of the first flow that an equation introduces.
+/// Returns the name of the first flow whose type the pending equation with this index decides; empty if there is none.
 fn first_flow_name(cx: &Body<'_, '_>, index: usize) -> String {
     let flow = cx.pending[index].inferred_flows.iter().flatten().next();
     flow.map_or_else(String::new, |flow| cx.unit.flow(*flow).name.to_string())
@@ -144,8 +130,8 @@ fn cannot_infer_type(cx: &mut Body<'_, '_>, index: usize) {
     report::report_diagnostic(cx, diagnostic);
 }
 
-/// Returns the diagnostic for a flow whose type cannot be inferred; `why` is the label, `ty` the type in the suggested
-/// declaration.
+/// Returns the diagnostic for a flow whose type cannot be inferred. `why` is the label at the flow, and `ty` is the
+/// type in the suggested declaration.
 pub(crate) fn report_uninferred(flow: &Flow, why: &str, ty: &str) -> Diagnostic {
     let name = &flow.name;
     Diagnostic::new(Code::RPI2007, format!("cannot infer the type of `{name}`"))

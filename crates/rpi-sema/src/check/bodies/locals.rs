@@ -16,15 +16,16 @@ use rpi_syntax::ast::{self, Ident, Locals};
 /// Meaning of a name inside a body.
 #[derive(Clone, Debug)]
 pub(crate) enum Local {
-    /// Flow of the body.
+    /// Flow of the body: a port or a local flow.
     Flow(FlowId),
     /// Constant bound to the name, such as a static parameter.
     Constant(Constant),
-    /// Inline fragment.
+    /// Inline fragment with this block.
     Block(BlockId),
-    /// State of an automaton.
+    /// State of an automaton with this block.
     State(BlockId),
-    /// States of several automata: the locations of two of them, and their number.
+    /// Name of states of several automata, so that the name is ambiguous outside of them: the locations of two of these
+    /// states, and the number of states.
     AmbiguousState([Span; 2], usize),
 }
 
@@ -33,7 +34,7 @@ pub(crate) enum Local {
 pub(crate) struct Scope {
     /// Meaning of each name, and the location of its declaration.
     names: FastMap<Name, (Local, Span)>,
-    /// Names in text order, for "did you mean".
+    /// The same names in the order of their declarations, for the "did you mean" suggestions.
     order: Vec<Name>,
 }
 
@@ -44,11 +45,12 @@ impl Scope {
     }
 }
 
-/// Estimated number of source characters per expression in dense text. The estimate may be too low: reserved memory
-/// that is not used costs nothing.
+/// Estimated number of source characters per expression in dense text, for the size of tables. The estimate may be too
+/// low, because reserved memory that is not used costs nothing.
 const CHARS_PER_EXPR: usize = 5;
 
-/// Returns the meaning of a name in the current block or the blocks around it.
+/// Returns the meaning of a name in the current block or the blocks around it; `None` if none of them declares the
+/// name.
 pub(crate) fn find_local(cx: &Body<'_, '_>, name: &str) -> Option<Local> {
     let mut block = Some(cx.block);
     while let Some(id) = block {
@@ -60,7 +62,8 @@ pub(crate) fn find_local(cx: &Body<'_, '_>, name: &str) -> Option<Local> {
     None
 }
 
-/// Returns the meaning of a name in one block, without the blocks around it.
+/// Returns the meaning of a name in one block, without the blocks around it; `None` if the block does not declare the
+/// name.
 pub(crate) fn find_in_block(cx: &Body<'_, '_>, block: BlockId, name: &str) -> Option<Local> {
     let scope = &cx.scopes[block.0 as usize];
     scope.names.get(name).map(|(local, _)| local.clone())
@@ -72,12 +75,12 @@ pub(crate) fn local_names<'s>(cx: &'s Body<'_, '_>) -> impl Iterator<Item = &'s 
     blocks.flat_map(|id| names_in(cx, id))
 }
 
-/// Returns the names of one block in text order.
+/// Returns the names that one block declares, in text order.
 pub(crate) fn names_in<'s>(cx: &'s Body<'_, '_>, block: BlockId) -> impl Iterator<Item = &'s str> {
     cx.scopes[block.0 as usize].order.iter().map(Name::as_str)
 }
 
-/// Declares a name in the current block; reports a second declaration.
+/// Declares a name in the current block; reports an error if the block already declares it.
 pub(crate) fn declare(cx: &mut Body<'_, '_>, name: &Ident, local: Local) {
     let scope = &mut cx.scopes[cx.block.0 as usize];
     match scope.names.get(&name.name) {
@@ -98,8 +101,9 @@ pub(crate) fn declare(cx: &mut Body<'_, '_>, name: &Ident, local: Local) {
     }
 }
 
-/// Declares the name of a state. If another automaton has a state of that name, the name is ambiguous outside of
-/// the automata, and the block's name gets a number for traces.
+/// Declares the name of a state of an automaton in the current block. If another automaton of the block has a state of
+/// that name, the name becomes ambiguous outside of the automata, and the name of the state's block gets a number
+/// (`Run#2`) so that traces can distinguish them.
 pub(crate) fn declare_state_name(cx: &mut Body<'_, '_>, name: &Ident, block: BlockId) {
     let scope = &mut cx.scopes[cx.block.0 as usize];
     let Some((local, first)) = scope.names.get_mut(&name.name) else {
@@ -114,7 +118,7 @@ pub(crate) fn declare_state_name(cx: &mut Body<'_, '_>, name: &Ident, block: Blo
     cx.unit.blocks[block.0 as usize].name = format!("{}#{number}", name.name).into();
 }
 
-/// Reports a local Lustre flow with the name of a constant of the file.
+/// Reports a local flow of Lustre that has the name of a constant of the same file.
 pub(crate) fn report_constant_shadowing(cx: &mut Body<'_, '_>, name: &Ident) {
     if unit::reads_rpi_syntax(cx) {
         return;
@@ -133,7 +137,7 @@ pub(crate) fn report_constant_shadowing(cx: &mut Body<'_, '_>, name: &Ident) {
     }
 }
 
-/// Adds a flow with a declared type to the current block.
+/// Adds a flow with a declared type to the current block, declares its name, and returns the flow.
 pub(crate) fn declare_flow(
     cx: &mut Body<'_, '_>,
     name: &Ident,
@@ -146,7 +150,8 @@ pub(crate) fn declare_flow(
     flow
 }
 
-/// Adds a flow whose type is inferred from its equation.
+/// Adds a local flow whose type is inferred from its equation to the current block, declares its name, and returns the
+/// flow.
 pub(crate) fn introduce_flow(cx: &mut Body<'_, '_>, name: &Ident) -> FlowId {
     let flow = add_flow(
         cx,
@@ -159,7 +164,7 @@ pub(crate) fn introduce_flow(cx: &mut Body<'_, '_>, name: &Ident) -> FlowId {
     flow
 }
 
-/// Adds a flow without declaring its name.
+/// Adds a flow to the current block without making its name visible, and returns the flow.
 pub(crate) fn add_flow(
     cx: &mut Body<'_, '_>,
     name: &Ident,
@@ -182,8 +187,8 @@ pub(crate) fn add_flow(
     id
 }
 
-/// Reserves memory for the declarations and equations of a body. Growing a table step by step copies it at every
-/// step, and the system must clear each page of each copy.
+/// Reserves memory for the declarations and equations of a body. Without it, the tables would be copied each time that
+/// they grow, and the system would clear the pages of each copy.
 pub(crate) fn reserve_tables(cx: &mut Body<'_, '_>, body: &ast::Body) {
     let flows = max_new_flows(cx, body);
     cx.unit.flows.reserve(flows);
@@ -211,7 +216,7 @@ fn max_new_flows(cx: &Body<'_, '_>, body: &ast::Body) -> usize {
     declared.sum::<usize>() + introduced
 }
 
-/// Adds a block inside the current one.
+/// Adds a block, such as an inline fragment or a state, inside of the current block and returns it.
 pub(crate) fn add_block(cx: &mut Body<'_, '_>, name: &Name, span: Span) -> BlockId {
     let id = BlockId(u32::try_from(cx.unit.blocks.len()).unwrap_or(u32::MAX));
     cx.unit

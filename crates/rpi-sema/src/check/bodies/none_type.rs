@@ -11,7 +11,8 @@ use crate::typed::{BlockId, ExprId, FlowId, TargetPlace};
 use crate::typed::{ElementwiseOp, TypedKind};
 use rpi_diag::{Code, Diagnostic, Severity};
 
-/// Infers the type of every `none` of the unit, and reports those whose type remains unknown.
+/// Infers the type of every `none` (absent value) of the unit from its context, and reports each `none` whose type
+/// remains unknown.
 pub(crate) fn infer_none_types(cx: &mut Body<'_, '_>) {
     let is_error = |diagnostic: &&Diagnostic| diagnostic.severity() == Severity::Error;
     let here = cx
@@ -45,7 +46,8 @@ fn has_untyped_none(cx: &Body<'_, '_>) -> bool {
     all.any(|id| is_untyped_none(cx, id))
 }
 
-/// Returns the types that flows, equations and conditions require of their expressions.
+/// Returns the types that the context requires of expressions: the type of the flow for its equation and its default,
+/// and `bool` for conditions.
 fn context_types(cx: &Body<'_, '_>) -> Vec<(ExprId, Ty)> {
     let defaults = cx.unit.flows.iter();
     let defaults = defaults.filter_map(|flow| Some((flow.default?, flow.ty.clone())));
@@ -70,7 +72,8 @@ fn context_types(cx: &Body<'_, '_>) -> Vec<(ExprId, Ty)> {
     types
 }
 
-/// Returns the types that an operator requires of its operands.
+/// Returns the operands of an expression, each with the type that the operator or callee requires of it. Empty if there
+/// is no requirement.
 fn operand_types(cx: &Body<'_, '_>, id: ExprId) -> Vec<(ExprId, Ty)> {
     let expr = cx.unit.expr(id);
     let alike = |ids: &[ExprId]| ids.iter().map(|id| (*id, expr.ty.clone())).collect();
@@ -109,7 +112,8 @@ fn operand_types(cx: &Body<'_, '_>, id: ExprId) -> Vec<(ExprId, Ty)> {
     }
 }
 
-/// Returns the types of the parts of an array, struct or tuple expression.
+/// Returns the parts of an array, struct or tuple expression, each with its type according to the type of the whole
+/// expression.
 fn part_types(cx: &Body<'_, '_>, id: ExprId) -> Vec<(ExprId, Ty)> {
     let expr = cx.unit.expr(id);
     match (&expr.kind, &expr.ty) {
@@ -127,7 +131,8 @@ fn part_types(cx: &Body<'_, '_>, id: ExprId) -> Vec<(ExprId, Ty)> {
     }
 }
 
-/// Sets the type of an expression whose type is unknown because of a `none`; known types remain unchanged.
+/// Sets the type of an expression whose type is unknown because it is, or contains, a `none`. Expressions of known
+/// type, and of other kinds, remain unchanged.
 fn set_none_type(cx: &mut Body<'_, '_>, id: ExprId, ty: &Ty) {
     let expr = &mut cx.unit.exprs[id.0 as usize];
     let passes_on = matches!(
@@ -145,7 +150,8 @@ fn set_none_type(cx: &mut Body<'_, '_>, id: ExprId, ty: &Ty) {
     }
 }
 
-/// Reports each `none` of unknown type: at the flow that gets its type from it, otherwise at the `none` itself.
+/// Reports each `none` (absent value) of unknown type: at the flow whose type was to be inferred from it, otherwise at
+/// the `none` itself.
 fn report_untyped_none(cx: &mut Body<'_, '_>) {
     let mut reported: FastSet<ExprId> = FastSet::default();
     for block in (0..cx.unit.blocks.len()).map(|k| BlockId(u32::try_from(k).unwrap_or(0))) {
@@ -169,13 +175,13 @@ fn report_untyped_none(cx: &mut Body<'_, '_>) {
         if is_untyped_none(cx, id) && !reported.contains(&id) {
             let diagnostic = Diagnostic::new(Code::RPI2007, "cannot infer the type of this `none`")
                 .primary(cx.span_of(id), "absent value of unknown type")
-                .help("declare a flow with a type: `var nothing: int?;` before `let`, and `nothing = none;`");
+                .help("declare a flow with the type that is meant, `var nothing: ...?;` before `let`, and write `nothing = none;`");
             report::report_diagnostic(cx, diagnostic);
         }
     }
 }
 
-/// Returns each `none` of unknown type within an expression.
+/// Returns each `none` (absent value) of unknown type within an expression.
 fn untyped_nones_in(cx: &Body<'_, '_>, root: ExprId) -> Vec<ExprId> {
     let (mut parts, mut found) = (cx.unit.traverse(root), Vec::new());
     while let Some((id, _)) = parts.next() {

@@ -30,30 +30,30 @@ use crate::ty::Substitution;
 use crate::ty::Ty;
 use crate::ty::check_assignable;
 use crate::typed::{self, BlockId, End, Equation, ExprId, FlowId, FlowPresence, FlowRole};
-use rpi_diag::{Code, Diagnostic, Span};
+use rpi_diag::{Code, Diagnostic, Quote, Span};
 use rpi_syntax::Dialect;
 use rpi_syntax::ast::{self, FragmentDecl, Ident, Locals, Statement, StatementKind, VarDecl};
 use smallvec::SmallVec;
 
-/// Statement that is checked after type inference, when the types of all flows are known.
+/// Statement, or part of one, that is checked after type inference, when the types of all flows are known.
 pub(crate) enum DeferredCheck<'a> {
-    /// Call whose result is not used.
+    /// Statement that consists of a call only; the result is not used.
     Call(&'a ast::Expr),
-    /// Condition that is claimed to hold.
+    /// Condition that the program states about itself (`assert` or `check`), and its span.
     Claim(&'a ast::Claim, Span),
-    /// Contract, in its own block.
+    /// Contract of a node, whose names are in a block of its own.
     Contract(&'a ast::Contract),
-    /// Statement that ends a command, `finish r when c`, and its span.
+    /// Statement that ends a command, such as `finish r when c`, and its span.
     End(&'a ast::CommandEnd, Span),
-    /// Exported flow.
+    /// Flow that a command exports, so that it is visible outside of the command.
     Export(&'a ast::Dotted),
-    /// Activation condition and time budget of a fragment's block.
+    /// Activation condition and time budget of a fragment. The block is that of the fragment.
     Activation(BlockId, &'a FragmentDecl),
-    /// Transitions of an automaton.
+    /// Transitions of an automaton, with the index of the automaton in its block.
     Automaton(usize, &'a ast::Automaton),
 }
 
-/// Declares and checks all statements of a body.
+/// Declares all statements of a body, infers the types of its flows, and checks the statements.
 pub(crate) fn check_body<'a>(cx: &mut Body<'_, 'a>, body: &'a ast::Body) {
     let mut later = Vec::new();
     declare_body(cx, body, &mut later);
@@ -66,7 +66,7 @@ pub(crate) fn check_body<'a>(cx: &mut Body<'_, 'a>, body: &'a ast::Body) {
     time_sums::check_time_sums(cx);
 }
 
-/// Checks all declared equations.
+/// Infers the types of all flows, and then checks all equations that have been declared.
 pub(crate) fn check_equations(cx: &mut Body<'_, '_>) {
     infer_times::infer_with_times(cx);
     resolve_declared_clocks(cx);
@@ -77,7 +77,8 @@ pub(crate) fn check_equations(cx: &mut Body<'_, '_>) {
     }
 }
 
-/// Declares the locals and statements of a body in the current block.
+/// Declares the local flows and statements of a body in the current block. Appends the checks that need the types of
+/// all flows, with their blocks, to `later`.
 pub(crate) fn declare_body<'a>(
     cx: &mut Body<'_, 'a>,
     body: &'a ast::Body,
@@ -100,13 +101,13 @@ pub(crate) fn declare_body<'a>(
     }
 }
 
-/// Declares local flows; `var x: int = e;` also defines `x`.
+/// Declares the local flows of a `var` declaration. `var x: int = e;` also declares the equation of `x`.
 pub(crate) fn declare_var<'a>(cx: &mut Body<'_, 'a>, var: &'a VarDecl) {
     let port = types::resolve_port_type(cx, &var.ty);
     for name in &var.names {
         locals::report_constant_shadowing(cx, name);
         let flow = locals::declare_flow(cx, name, &port, FlowRole::Local);
-        time_sums::record_seconds(cx, flow, &var.ty);
+        time_sums::record_unit(cx, flow, &var.ty);
         if let Some(value) = &var.default {
             cx.pending.push(PendingEquation {
                 block: cx.block,
@@ -137,8 +138,8 @@ pub(crate) fn declare_const<'a>(cx: &mut Body<'_, 'a>, def: &'a ast::ConstDef) {
     }
 }
 
-/// Sets the clocks of declared flows after type inference, because equations may introduce the flows that the
-/// clocks refer to.
+/// Sets the clocks that local declarations state. It runs after type inference, because equations may introduce the
+/// flows that the clocks refer to.
 fn resolve_declared_clocks(cx: &mut Body<'_, '_>) {
     for (block, sections) in std::mem::take(&mut cx.definitions.declared_clocks) {
         for section in sections {
@@ -149,7 +150,7 @@ fn resolve_declared_clocks(cx: &mut Body<'_, '_>) {
     }
 }
 
-/// Gives flows the clocks that their declarations state: `var x: int when c`.
+/// Sets the clock of each flow whose declaration states one: `var x: int when c`.
 pub(crate) fn resolve_clocks_of<'a>(cx: &mut Body<'_, 'a>, vars: &'a [VarDecl]) {
     for var in vars {
         let Some(clock) = &var.clock else {
@@ -226,7 +227,8 @@ pub(crate) fn declare_equation<'a>(cx: &mut Body<'_, 'a>, equation: &'a ast::Equ
     });
 }
 
-/// Returns the flow that the left side of an equation introduces: a plain name that no surrounding block declares.
+/// Returns the flow whose type the equation with this index in `pending` decides: a flow that the equation introduces
+/// by a plain name that is not yet declared, or a flow without a type introduced before. `None` for other targets.
 fn introduced_flow(cx: &mut Body<'_, '_>, target: &ast::Target, index: usize) -> Option<FlowId> {
     report_constant_redefinition(cx, &target.name);
     let may = target.path.is_empty() && cx.mode == Dialect::Rpi && target.name.name != "_";
@@ -247,7 +249,7 @@ fn introduced_flow(cx: &mut Body<'_, '_>, target: &ast::Target, index: usize) ->
     Some(flow)
 }
 
-/// Reports an equation that seems to define a constant of the same file.
+/// Reports an equation whose left side is the name of a constant of the same file.
 pub(crate) fn report_constant_redefinition(cx: &mut Body<'_, '_>, name: &Ident) {
     let Some(id) = cx.checker.program.lookup_own(cx.module, &name.name) else {
         return;
@@ -266,15 +268,15 @@ pub(crate) fn report_constant_redefinition(cx: &mut Body<'_, '_>, name: &Ident) 
     report::report_diagnostic(cx, diagnostic);
 }
 
-/// Whether the type of a flow is inferred from an equation that has not been declared yet.
+/// Whether the type of a flow is to be inferred and no equation for it has been declared yet.
 fn lacks_type(cx: &Body<'_, '_>, flow: FlowId) -> bool {
     let inferred = cx.unit.flow(flow).optional == FlowPresence::Inferred;
     inferred && cx.inference.defined_by[flow.0 as usize].is_none()
 }
 
-/// Whether the name of a target is declared in this block, or around it as a name that no equation defines. A
-/// fragment does not define flows of its surroundings, which continue while it is inactive; it gets its own flow of
-/// that name.
+/// Whether the name on the left side of an equation is declared in the current block, or around it as a name that no
+/// equation may define, such as an in-port. An equation in a fragment does not define a flow outside of it, which has a
+/// value while the fragment is inactive; the fragment gets a flow of its own of that name.
 fn is_declared(cx: &Body<'_, '_>, name: &Ident) -> bool {
     if locals::find_in_block(cx, cx.block, &name.name).is_some() {
         return true;
@@ -340,9 +342,7 @@ fn check_end<'a>(cx: &mut Body<'_, 'a>, end: &'a ast::CommandEnd, span: Span) {
     if !cx.unit.kind.is_root() || cx.block != BlockId::ROOT {
         let diagnostic = Diagnostic::new(Code::RPI8001, "only the body of a command can end it")
             .primary(span, "not at the top level of a command")
-            .help(
-                "define the condition as a flow here, and end the command by that flow at the top level",
-            );
+            .help(inner_end_help(cx, end));
         return report::report_diagnostic(cx, diagnostic);
     }
     let same = |other: &&End| other.result == end.result.name;
@@ -358,6 +358,25 @@ fn check_end<'a>(cx: &mut Body<'_, 'a>, end: &'a ast::CommandEnd, span: Span) {
         condition,
         span: end.result.span,
     });
+}
+
+/// Returns the way to end a command by a condition that is computed in a fragment, a state or a node.
+fn inner_end_help(cx: &Body<'_, '_>, end: &ast::CommandEnd) -> String {
+    let (result, condition) = (&end.result.name, Quote::text(end.condition.span));
+    let block = &cx.unit.block(cx.block).name;
+    let keyword = match end.kind {
+        ast::CommandEndKind::Finish => "finish",
+        ast::CommandEndKind::Yield => "yield",
+        ast::CommandEndKind::Fail => "fail",
+    };
+    match cx.unit.kind.is_root() && !block.is_empty() {
+        true => format!(
+            "define a flow here, `{result} = {condition};`, and in the body of the command write `{keyword} {result} when {block}.{result} ?? false;`"
+        ),
+        false => {
+            "return the condition by an out-port, and end the command by it in its body".to_owned()
+        }
+    }
 }
 
 fn check_export<'a>(cx: &mut Body<'_, 'a>, flow: &'a ast::Dotted) {
@@ -384,7 +403,8 @@ fn check_activation<'a>(cx: &mut Body<'_, 'a>, block: BlockId, decl: &'a Fragmen
     target.budget_ns = budget_ns;
 }
 
-/// Checks a condition; `of` is its role in the message.
+/// Checks that an expression is Boolean, reports an error otherwise, and returns its typed expression. `of` is the role
+/// of the condition in the message, such as "a claim".
 pub(crate) fn check_condition<'a>(
     cx: &mut Body<'_, 'a>,
     condition: &'a ast::Expr,
@@ -397,7 +417,8 @@ pub(crate) fn check_condition<'a>(
     id
 }
 
-/// Checks that an expression has an expected type; reports a mismatch.
+/// Checks that an expression has the expected type, and reports a mismatch. Returns whether the type matches. `wanted`
+/// is the reason for the expectation in the message.
 pub(crate) fn expect_type(
     cx: &mut Body<'_, '_>,
     id: ExprId,

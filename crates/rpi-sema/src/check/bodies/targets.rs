@@ -8,6 +8,7 @@ use crate::check::bodies::locals::Local;
 use crate::check::bodies::tuple_pieces;
 use crate::check::bodies::type_inference;
 use crate::check::bodies::type_inference::EquationLhs;
+use crate::check::diagnostics::number_fixes;
 use crate::check::diagnostics::report;
 use crate::check::diagnostics::report::ExpectationReason;
 use crate::check::diagnostics::report::undefined_name;
@@ -23,10 +24,12 @@ use crate::ty::join;
 use crate::typed::{Equation, ExprId, FlowId, FlowRole, Target, TargetPlace, UnitKind};
 use rpi_diag::with_noun;
 use rpi_diag::{Code, Diagnostic, Span};
+use rpi_syntax::Name;
 use rpi_syntax::ast::{self, Ident};
 use smallvec::SmallVec;
 
-/// Checks the value of an equation against its targets.
+/// Checks the value and the left side of the equation with this index in `pending`, and adds the typed equation to the
+/// current block.
 pub(crate) fn check_equation(cx: &mut Body<'_, '_>, index: usize) {
     let value = type_inference::checked_value(cx, index);
     let (goal, span) = (cx.pending[index].lhs, cx.pending[index].span);
@@ -63,7 +66,8 @@ pub(crate) fn check_equation(cx: &mut Body<'_, '_>, index: usize) {
     });
 }
 
-/// Returns the type of the flow that a target defines as a whole, if it is known.
+/// Returns the type of the flow that a target defines as a whole; `None` if the type is not known or if the target is a
+/// part of a flow.
 fn declared_type<'s>(cx: &'s Body<'_, '_>, target: &ast::Target) -> Option<&'s Ty> {
     let flow = cx.find_flow(&target.name.name)?;
     let ty = &cx.unit.flow(flow).ty;
@@ -105,7 +109,8 @@ fn count_mismatch(
     report::report_diagnostic(cx, diagnostic);
 }
 
-/// Checks a target, whose type must match the type of the value.
+/// Checks a target of an equation and returns its typed form. `found` is the type of the part of `value` that the
+/// target gets; a mismatch is reported.
 fn check_target<'a>(
     cx: &mut Body<'_, 'a>,
     target: &'a ast::Target,
@@ -148,6 +153,7 @@ fn typed_target(
         Ok(()) => {
             expr::check_angle_unit(cx, value, &expected);
             ty = join(&expected, found).unwrap_or(ty);
+            number_fixes::prefer_integers(cx, value, &expected);
         }
         Err(misfit) => {
             let text = format!("the target has the type `{expected}`");
@@ -158,9 +164,28 @@ fn typed_target(
                 &misfit,
                 &ExpectationReason::Because(span, text),
             );
+            label_shared_type(cx, &place, value, &expected);
         }
     }
     Target { place, ty, span }
+}
+
+/// Adds to the reported type mismatch in a state where the flow gets its type: its declaration, or the first state that
+/// defines it.
+fn label_shared_type(cx: &mut Body<'_, '_>, place: &TargetPlace, value: ExprId, ty: &Ty) {
+    let TargetPlace::Flow { flow, .. } = *place else {
+        return;
+    };
+    let Some(shared) = automaton::enclosing_shared_flows(cx, flow).next() else {
+        return;
+    };
+    let (name, place) = (cx.unit.flow(shared).name.clone(), cx.unit.flow(shared).span);
+    let (value, target) = (cx.span_of(value), cx.unit.flow(flow).span);
+    let reported = cx.diagnostics.last_mut();
+    if let Some(diagnostic) = reported.filter(|it| it.span() == value && place != target) {
+        let text = format!("`{name}` is `{ty}` here");
+        diagnostic.add_secondary(place, text);
+    }
 }
 
 fn target_place<'a>(cx: &mut Body<'_, 'a>, target: &'a ast::Target) -> (TargetPlace, Ty) {
@@ -177,15 +202,23 @@ fn target_place<'a>(cx: &mut Body<'_, 'a>, target: &'a ast::Target) -> (TargetPl
     }
 }
 
-/// Reports a target whose name is not declared in this body, and returns a target that is not checked further.
+/// Reports a target whose name is not declared in the body. Returns a target and a type that cause no further errors.
+/// `in_part` is whether the target is a part of the name, as in `arm.tcp`.
 fn undefined_target(cx: &mut Body<'_, '_>, name: &Ident, in_part: bool) -> (TargetPlace, Ty) {
     if let Lookup::Found(id) = cx.checker.program.lookup(cx.module, &name.name) {
         return not_definable(cx, name, cx.checker.program.decl(id).kind.description());
     }
     let help = match in_part && cx.unit.kind == UnitKind::Command {
-        true => "declare the device as a parameter of the command: `command C (arm: Arm)`",
-        false => "declare flows after `returns` or `var`",
+        true => format!(
+            "declare the device as a parameter of the command, with its device type: `command {} ({}: ...)`",
+            cx.unit.name, name.name
+        ),
+        false => format!(
+            "declare it as an out-port, or before `let`: `var {}: ...;`",
+            name.name
+        ),
     };
+    let help = help.as_str();
     if cx.record_undefined(&name.name) {
         let near = cx.checker.suggest(&name.name, locals::local_names(cx));
         // That the intended flow has no equation is the same error.
@@ -199,11 +232,12 @@ fn undefined_target(cx: &mut Body<'_, '_>, name: &Ident, in_part: bool) -> (Targ
     (TargetPlace::Nowhere, Ty::Unknown)
 }
 
-/// Adds a help text to the earlier diagnostic about a read of an undefined flow, if it has only the general help.
+/// Adds a help text to the earlier diagnostic about a read of the undefined flow `name`, if the diagnostic has only the
+/// general advice to declare the flow.
 fn add_target_help(cx: &mut Body<'_, '_>, name: &Ident, help: &str) {
     let index = cx.reported.undefined_flows.index(&name.name);
+    let general = undefined_names::declaration_help(cx, &name.name);
     let diagnostic = index.and_then(|index| cx.diagnostics.get_mut(index));
-    let general = undefined_names::declaration_help(&name.name);
     let is_general = |diagnostic: &&mut Diagnostic| {
         diagnostic.fixes.is_empty() && diagnostic.help.iter().all(|help| *help == general)
     };
@@ -212,7 +246,8 @@ fn add_target_help(cx: &mut Body<'_, '_>, name: &Ident, help: &str) {
     }
 }
 
-/// Returns the type of a flow; a flow that several states define has one type in all of them.
+/// Returns the type of a flow. A flow that several states of an automaton define has one type in all of them, so that
+/// its type may be known from another state.
 fn shared_type<'s>(cx: &'s Body<'_, '_>, flow: FlowId) -> &'s Ty {
     let all = automaton::enclosing_shared_flows(cx, flow).chain([flow]);
     let mut types = all.map(|flow| &cx.unit.flow(flow).ty);
@@ -253,8 +288,9 @@ fn target_place_in_flow<'a>(
     }
 }
 
-/// Whether a target is a part of a flow of a surrounding block, which is active while this block is not. Reports it
-/// once for each flow.
+/// Whether a target is a part of a flow of a surrounding block, as in `a[0] = 1` inside of a fragment, which is an
+/// error because the equation has an effect only while the current block is active. The error is reported once for each
+/// flow.
 fn is_part_of_outer_flow(cx: &mut Body<'_, '_>, flow: FlowId, target: &ast::Target) -> bool {
     if cx.unit.flow(flow).block == cx.block {
         return false;
@@ -270,11 +306,29 @@ fn is_part_of_outer_flow(cx: &mut Body<'_, '_>, flow: FlowId, target: &ast::Targ
                 target.span,
                 format!("takes effect only while `{block}` is active"),
             )
-            .secondary(declared, "declared outside of it, to be defined as a whole")
-            .help(format!("define it in one equation: `{name} = ...;`"));
+            .secondary(
+                declared,
+                format!("`{name}` is declared outside of `{block}`"),
+            )
+            .help(whole_value_help(cx, flow, name, &block));
         report::report_diagnostic(cx, diagnostic);
     }
     true
+}
+
+/// Returns the advice to define a flow of a surrounding block as a whole: in each state of an automaton, or outside of
+/// a fragment.
+fn whole_value_help(cx: &Body<'_, '_>, flow: FlowId, name: &Name, block: &Name) -> String {
+    let whole = match &cx.unit.flow(flow).ty {
+        Ty::Array(_, n @ 1..=4) => format!("[{}]", vec!["..."; *n as usize].join(", ")),
+        _ => "...".to_owned(),
+    };
+    match automaton::is_state(cx, cx.block) {
+        true => format!("define it as a whole in each state: `{name} = {whole};`"),
+        false => format!(
+            "define a local flow as a whole in `{block}`, such as `inner = {whole};`, and outside of it `{name} = {block}.inner ?? ...;`"
+        ),
+    }
 }
 
 fn not_definable(cx: &mut Body<'_, '_>, name: &Ident, what: &str) -> (TargetPlace, Ty) {

@@ -10,18 +10,18 @@ use crate::ty::Substitution;
 use crate::ty::Ty;
 use crate::ty::check_assignable;
 
-/// Part of a value in a list of values, for the decomposition of tuples.
+/// Part of one of several values, for the decomposition of tuples into their elements.
 #[derive(Clone, PartialEq, Debug)]
 pub(crate) struct TuplePiece {
-    /// Index of the value in the list.
+    /// Index of the value, in the list of values, of which this is a part.
     pub(crate) value: usize,
-    /// Index of the first leaf of the part among the leaves of the value.
+    /// Index of the first leaf (scalar part) of the part among the leaves of the value.
     pub(crate) leaf: u32,
     pub(crate) ty: Ty,
 }
 
-/// Decomposes the tuples in a list of values for targets of the types `wanted`, as far as these are known. Returns all
-/// pieces if their number cannot match.
+/// Decomposes the tuples in a list of values so that each value matches one of the types `wanted`; a type is `None` if
+/// it is not known. If no decomposition has the right number of parts, all tuples are fully decomposed.
 pub(crate) fn decompose(list: &[Ty], wanted: &[Option<&Ty>]) -> Vec<TuplePiece> {
     let whole: Vec<TuplePiece> = (list.iter().cloned().enumerate())
         .map(|(of, ty)| TuplePiece {
@@ -34,7 +34,8 @@ pub(crate) fn decompose(list: &[Ty], wanted: &[Option<&Ty>]) -> Vec<TuplePiece> 
     by_type.unwrap_or_else(|| decompose_by_count(whole, wanted.len()))
 }
 
-/// Decomposes only values that do not match as a whole; `None` if a type does not match or is not known.
+/// Decomposes only the tuples that do not match the next type in `wanted` as a whole. `None` if a type is not known, a
+/// part does not match, or the numbers differ.
 fn decompose_by_type(whole: &[TuplePiece], wanted: &[Option<&Ty>]) -> Option<Vec<TuplePiece>> {
     let mut pieces = Vec::with_capacity(wanted.len());
     // Remaining values in reverse order: the next one is last.
@@ -52,7 +53,8 @@ fn decompose_by_type(whole: &[TuplePiece], wanted: &[Option<&Ty>]) -> Option<Vec
     open.is_empty().then_some(pieces)
 }
 
-/// Decomposes tuples, outermost first, until there are `count` pieces.
+/// Decomposes tuples, the outermost ones first, until there are `count` parts. If `count` cannot be reached exactly,
+/// all tuples are fully decomposed.
 fn decompose_by_count(mut level: Vec<TuplePiece>, count: usize) -> Vec<TuplePiece> {
     while level.len() < count {
         let is_whole = |piece: &TuplePiece| !matches!(piece.ty, Ty::Tuple(_));
@@ -70,7 +72,8 @@ fn decompose_by_count(mut level: Vec<TuplePiece>, count: usize) -> Vec<TuplePiec
     }
 }
 
-/// Returns the elements of a tuple, with nested tuples decomposed; the value itself if it is not a tuple.
+/// Returns the elements of a tuple type, with nested tuples decomposed; the type itself as the only part if it is not a
+/// tuple.
 pub(crate) fn flattened_pieces(ty: &Ty) -> Vec<TuplePiece> {
     let (value, leaf, ty) = (0, 0, ty.clone());
     flatten(vec![TuplePiece { value, leaf, ty }])
@@ -87,7 +90,7 @@ fn flatten(mut level: Vec<TuplePiece>) -> Vec<TuplePiece> {
 }
 
 impl TuplePiece {
-    /// Returns the elements of a tuple; `None` for other types.
+    /// Returns the elements of a part that is a tuple; `None` for other types.
     fn elements(&self) -> Option<Vec<TuplePiece>> {
         let Ty::Tuple(members) = &self.ty else {
             return None;

@@ -18,74 +18,76 @@ use rpi_diag::Span;
 use rpi_syntax::ast;
 use smallvec::SmallVec;
 
-/// Equation that has been declared and waits to be checked.
+/// Equation that has been declared, with the progress of its check.
 pub(crate) struct PendingEquation<'a> {
     pub(crate) block: BlockId,
     pub(crate) lhs: EquationLhs<'a>,
     pub(crate) value: &'a ast::Expr,
     pub(crate) span: Span,
-    /// For each target the flow whose type this equation decides; `None` for other targets.
+    /// For each target, the flow whose type is inferred from this equation; `None` for a target with a declared type.
     pub(crate) inferred_flows: SmallVec<[Option<FlowId>; 1]>,
-    /// Progress of the check.
+    /// Progress of the check of this equation.
     pub(crate) state: EquationState,
-    /// Index variables of the left side with their values, if the equation defines one array element.
+    /// Names and values of the array indices on the left side, if the equation defines one array element; otherwise
+    /// empty.
     pub(crate) indices: Vec<(ast::Ident, i64)>,
 }
 
-/// A read of a flow whose type was not known yet.
+/// Read of a flow in an equation while the type of the flow was not known yet.
 #[derive(Clone, Copy)]
 pub(crate) struct UnknownRead {
-    /// Index of the equation that defines the flow.
+    /// Index in `pending` of the equation that defines the flow.
     pub(crate) equation: usize,
     pub(crate) span: Span,
-    /// Whether the flow is read in the current cycle, not through `pre`.
+    /// Whether the flow is read in the current cycle, rather than through a delay such as `pre`.
     pub(crate) in_same_cycle: bool,
 }
 
-/// Policy for guessing the type of an operation on a number and an operand of unknown type.
+/// Which types may be guessed for an operand of unknown type beside a number literal.
 #[derive(Clone, Copy, PartialEq, Debug, Default)]
 pub(crate) enum GuessPolicy {
-    /// No type is guessed: an integer may be meant as a real, and a factor changes the unit.
+    /// No type is guessed, because an integer literal may be meant as a real, and a factor may change the unit.
     #[default]
     Never,
-    /// An unknown type beside an integer is guessed as `int`.
+    /// An operand of unknown type is guessed to be an `int` if the other operand is an `int`.
     Integers,
     /// Types are guessed from integers, and from factors without a unit.
     Factors,
 }
 
-/// Left side of an equation.
+/// Left side of an equation: its targets, or the variable whose declaration has a value.
 #[derive(Clone, Copy)]
 pub(crate) enum EquationLhs<'a> {
-    /// Targets of an equation.
+    /// Targets of a plain equation.
     Targets(&'a [ast::Target]),
-    /// Variable with a value in its declaration.
+    /// Flow of a variable declaration with a value, `var x: int = e;`.
     Var(FlowId),
 }
 
-/// Progress of checking an equation.
+/// Progress of checking an equation during type inference.
 #[derive(Clone, Copy, PartialEq, Debug)]
 pub(crate) enum EquationState {
     /// The equation has not been checked yet.
     Unchecked,
-    /// The types of the flows that the equation reads must be inferred first.
+    /// The check is postponed until the types of the flows that the equation reads are inferred.
     Waiting,
-    /// The equation has been checked, but it reads flows of unknown type, so that its own type is a guess.
+    /// The equation has been checked once, but it reads flows of unknown type, so that the type of its value is a
+    /// guess. It is checked again later.
     Guessed,
-    /// The types of the equation's flows cannot be inferred, which has been reported.
+    /// The types of the equation's flows cannot be inferred, and the error has been reported.
     Reported,
-    /// The equation has been checked; this is its value.
+    /// The equation has been checked completely; the expression is its typed value.
     Done(ExprId),
 }
 
 impl PendingEquation<'_> {
-    /// Whether the equation decides the type of a flow.
+    /// Whether the type of at least one flow is inferred from this equation.
     pub(crate) fn infers_type(&self) -> bool {
         self.inferred_flows.iter().any(Option::is_some)
     }
 }
 
-/// Sizes of the body's tables before a trial check.
+/// Sizes of the tables of a body before a trial check, to which `rollback` truncates the tables.
 pub(crate) struct Checkpoint {
     exprs: usize,
     diagnostics: usize,
@@ -105,7 +107,8 @@ pub(crate) fn infer_types(cx: &mut Body<'_, '_>) {
     guess_from_numbers(cx, GuessPolicy::Integers);
 }
 
-/// Guesses the types that only operations on numbers determine, from the types of these numbers.
+/// Infers types that only operations on numbers determine, from the types of these numbers. `number_literals` is the
+/// policy for these guesses.
 pub(crate) fn guess_from_numbers(cx: &mut Body<'_, '_>, number_literals: GuessPolicy) {
     cx.inference.is_running = true;
     cx.inference.guess_policy = number_literals;
@@ -114,7 +117,8 @@ pub(crate) fn guess_from_numbers(cx: &mut Body<'_, '_>, number_literals: GuessPo
     cx.inference.is_running = false;
 }
 
-/// Returns the value of an equation; checks it now if it is not checked yet.
+/// Returns the typed value of the equation with this index in `pending`; checks the value first if that has not been
+/// done.
 pub(crate) fn checked_value(cx: &mut Body<'_, '_>, index: usize) -> ExprId {
     match cx.pending[index].state {
         EquationState::Done(value) => value,
@@ -126,7 +130,8 @@ pub(crate) fn checked_value(cx: &mut Body<'_, '_>, index: usize) -> ExprId {
     }
 }
 
-/// Checks the value of an equation in its block.
+/// Checks the right side of the equation with this index in `pending`, in the block of the equation, and returns its
+/// typed expression.
 pub(crate) fn check_value(cx: &mut Body<'_, '_>, index: usize) -> ExprId {
     let (block, value) = (cx.pending[index].block, cx.pending[index].value);
     cx.in_block(block, |body| {
@@ -134,7 +139,7 @@ pub(crate) fn check_value(cx: &mut Body<'_, '_>, index: usize) -> ExprId {
     })
 }
 
-/// Records the read of an undeclared flow if its type is not known yet.
+/// Records the read of a flow whose type is inferred from its equation, if the type is not known yet.
 pub(crate) fn record_unknown_read(cx: &mut Body<'_, '_>, flow: FlowId, span: Span) {
     let known = !cx.unit.flow(flow).ty.has_unknown();
     let Some(equation) = cx.inference.defined_by[flow.0 as usize].filter(|_| !known) else {
@@ -178,8 +183,8 @@ fn resolve_equation(cx: &mut Body<'_, '_>, index: usize) {
     }
 }
 
-/// Checks the value of an equation. If it reads flows of unknown type, only a first guess of its type is kept.
-/// Returns whether the check is complete.
+/// Checks the right side of the equation with this index in `pending`. If it reads flows of unknown type, the check is
+/// undone and only the type of the value is used, as a first guess. Returns whether the check is complete.
 fn try_check(cx: &mut Body<'_, '_>, index: usize) -> bool {
     let mark = checkpoint(cx);
     cx.inference.unknown_reads.clear();
@@ -198,7 +203,8 @@ fn try_check(cx: &mut Body<'_, '_>, index: usize) -> bool {
     complete
 }
 
-/// Sets the types of the flows that an equation defines, as far as the type of its value is known.
+/// Sets the types of the flows that are inferred from the equation with this index in `pending`. `ty` is the type of
+/// its value, of which parts may be unknown.
 fn set_inferred_types(cx: &mut Body<'_, '_>, index: usize, ty: &Ty) {
     let flows = cx.pending[index].inferred_flows.clone();
     let types: SmallVec<[Ty; 1]> = match flows.len() {
@@ -227,7 +233,8 @@ fn set_inferred_types(cx: &mut Body<'_, '_>, index: usize, ty: &Ty) {
     }
 }
 
-/// Postpones an equation such as `v = none`, of unknown type, until another state has determined the type of `v`.
+/// Postpones the equation with this index in `pending`, such as `v = none`, whose type is unknown, until the equation
+/// of `v` in another state has determined the type of `v`.
 fn wait_for_other_states(cx: &mut Body<'_, '_>, index: usize) {
     for flow in cx.pending[index]
         .inferred_flows
@@ -246,7 +253,8 @@ fn wait_for_other_states(cx: &mut Body<'_, '_>, index: usize) {
     }
 }
 
-/// Returns an unchecked equation that defines the flow of this equation in another state.
+/// Returns the index in `pending` of an unchecked equation that defines the same flow as equation `index`, in another
+/// state of the automaton; `None` if there is none.
 fn unchecked_in_other_state(cx: &Body<'_, '_>, flow: FlowId, index: usize) -> Option<usize> {
     let outer = automaton::enclosing_shared_flows(cx, flow);
     let versions = outer.filter_map(|outer| cx.shared.contributions.get(&outer));
@@ -256,7 +264,7 @@ fn unchecked_in_other_state(cx: &Body<'_, '_>, flow: FlowId, index: usize) -> Op
     equations.find(|other| *other != index && cx.pending[*other].state == EquationState::Unchecked)
 }
 
-/// Checks all guessed equations again; returns whether a type became known.
+/// Checks all equations with a guessed type again. Returns whether the type of a further flow became known.
 fn recheck_guessed(cx: &mut Body<'_, '_>) -> bool {
     let before = unknown_flow_count(cx);
     for index in 0..cx.pending.len() {
@@ -276,7 +284,7 @@ fn unknown_flow_count(cx: &Body<'_, '_>) -> usize {
     flows.filter(|f| cx.unit.flow(**f).ty.has_unknown()).count()
 }
 
-/// Returns the current sizes of the body's tables.
+/// Returns the current sizes of the body's tables, for a later `rollback`.
 pub(crate) fn checkpoint(cx: &Body<'_, '_>) -> Checkpoint {
     Checkpoint {
         exprs: cx.unit.exprs.len(),
@@ -285,7 +293,7 @@ pub(crate) fn checkpoint(cx: &Body<'_, '_>) -> Checkpoint {
     }
 }
 
-/// Undoes all additions to the tables of the body since a checkpoint.
+/// Removes all expressions and diagnostics that have been added to the body since the checkpoint `mark`.
 pub(crate) fn rollback(cx: &mut Body<'_, '_>, mark: Checkpoint) {
     cx.unit.exprs.truncate(mark.exprs);
     // `chosen` is sorted by expression, so that the undone ones are at its end.
@@ -300,5 +308,7 @@ pub(crate) fn rollback(cx: &mut Body<'_, '_>, mark: Checkpoint) {
         .inference
         .real_fix_index
         .filter(|at| *at < mark.diagnostics);
+    let integer_fix = cx.inference.integer_fix.take();
+    cx.inference.integer_fix = integer_fix.filter(|(at, _)| *at < mark.diagnostics);
     cx.first_state_span = mark.first_state_span;
 }

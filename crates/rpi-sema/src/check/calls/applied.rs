@@ -19,7 +19,8 @@ use rpi_syntax::ast::StaticOp;
 use rpi_syntax::ops::{BinaryOp, UnaryOp};
 use std::rc::Rc;
 
-/// Checks a call of an operator by its Lustre V6 name.
+/// Checks a call of an operator by its Lustre V6 name, such as `Lustre::iplus(a, b)`, and returns its typed expression.
+/// `given` are the checked arguments.
 pub(crate) fn call_predefined_op<'a>(
     cx: &mut Body<'_, 'a>,
     predef: &PredefinedOp,
@@ -43,7 +44,8 @@ pub(crate) fn call_predefined_op<'a>(
     }
 }
 
-/// Checks a call of an operator with operands that have been checked.
+/// Checks the application of an operator to operands that have been checked, and returns its typed expression. Reports
+/// a wrong number of operands.
 pub(crate) fn call_operator<'a>(
     cx: &mut Body<'_, 'a>,
     op: StaticOp,
@@ -98,7 +100,8 @@ pub(crate) fn call_operator<'a>(
     }
 }
 
-/// Checks a call of a node parameter without a value: only the types of the arguments can be checked.
+/// Checks a call of a static parameter that stands for a node and has no value yet. Only the arguments can be compared
+/// with the declared ports. Returns an expression without a value that has the declared result type.
 pub(crate) fn call_node_param<'a>(
     cx: &mut Body<'_, 'a>,
     header: &Rc<Header>,

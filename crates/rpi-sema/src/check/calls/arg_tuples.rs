@@ -28,7 +28,8 @@ pub(crate) fn flatten_tuple_args<'a>(
     all
 }
 
-/// Replaces positional arguments that are tuples by their elements, except where the port takes a tuple.
+/// Replaces positional arguments that are tuples by their elements, except where the port at that position takes a
+/// tuple. Named arguments come first in the result.
 pub(crate) fn flatten_tuple_args_for<'a>(
     cx: &mut Body<'_, 'a>,
     header: &Header,
@@ -61,14 +62,15 @@ pub(crate) fn flatten_tuple_args_for<'a>(
         .collect()
 }
 
-/// Adds an expression for a part of a tuple.
+/// Adds an expression for a part of the tuple `base` and returns it.
 fn add_piece(cx: &mut Body<'_, '_>, base: ExprId, piece: TuplePiece) -> ExprId {
     let span = cx.span_of(base);
     let at = piece.leaf;
     cx.add(TypedKind::Part { base, at }, piece.ty, span)
 }
 
-/// Returns the elements of a tuple as expressions.
+/// Adds an expression for each element of the tuple `base`, with nested tuples decomposed, and returns these
+/// expressions.
 pub(crate) fn tuple_elements(cx: &mut Body<'_, '_>, base: ExprId) -> Vec<ExprId> {
     let pieces = tuple_pieces::flattened_pieces(cx.ty_of(base)).into_iter();
     pieces.map(|piece| add_piece(cx, base, piece)).collect()

@@ -20,20 +20,20 @@ use crate::ty::Ty;
 use crate::ty::check_assignable;
 use crate::typed::TypedKind;
 use crate::typed::{ExprId, FlowRole, UnitKind};
-use rpi_diag::{Code, Diagnostic, Fix, Span};
+use rpi_diag::{Code, Diagnostic, Fix, Quote, Span};
 use rpi_syntax::Name;
 use rpi_syntax::ast::{Arg, Expr, ExprKind, Ident};
 use rpi_syntax::ops::BinaryOp;
 use std::rc::Rc;
 
-/// Checked argument of a call.
+/// Argument of a call whose value has been checked.
 #[derive(Clone, Copy)]
 pub(crate) struct CallArgument<'a> {
-    /// Name of the port, if the argument is named.
+    /// Name of the port or parameter; `None` if the argument is assigned by its position.
     pub(crate) name: Option<&'a Ident>,
-    /// Value of the argument.
+    /// Typed expression of the argument.
     pub(crate) value: ExprId,
-    /// Whether the argument is in `<<...>>`, where it must be fixed when the command is loaded.
+    /// Whether the argument is written in `<<...>>`. Its value must then be fixed when the command is loaded.
     pub(crate) is_static: bool,
 }
 
@@ -48,7 +48,7 @@ impl<'a> CallArgument<'a> {
     }
 }
 
-/// Checks the arguments of a call without comparing them with ports.
+/// Checks the values of the arguments of a call, without comparing them with the ports of the callee.
 pub(crate) fn check_args<'a>(cx: &mut Body<'_, 'a>, args: &'a [Arg]) -> Vec<CallArgument<'a>> {
     args.iter().map(|arg| check_arg(cx, arg)).collect()
 }
@@ -62,8 +62,8 @@ fn check_arg<'a>(cx: &mut Body<'_, 'a>, arg: &'a Arg) -> CallArgument<'a> {
     }
 }
 
-/// Checks the arguments of a call of a declaration. Returns `false` if an argument is named by `=` instead of `:`,
-/// which has then been reported.
+/// Checks the values of the arguments of a call of a declaration. Also returns whether the call can be checked further:
+/// `false`, without arguments, if an argument is named by `=` instead of `:`, which is reported.
 pub(crate) fn check_args_for<'a>(
     cx: &mut Body<'_, 'a>,
     id: DeclId,
@@ -81,7 +81,7 @@ pub(crate) fn check_args_for<'a>(
     (args.iter().map(|arg| check_arg(cx, arg)).collect(), true)
 }
 
-/// Merges the diagnostics about arguments named by `=` that were added since there were `before` diagnostics.
+/// Merges the diagnostics about arguments named by `=` instead of `:` into one, without the first `before` diagnostics.
 fn merge_named_by_eq(cx: &mut Body<'_, '_>, before: usize) {
     let by_eq = |diagnostic: &Diagnostic| diagnostic.code == Code::RPI1010;
     let mut others = cx.diagnostics.split_off(before).into_iter();
@@ -104,7 +104,8 @@ fn merge_named_by_eq(cx: &mut Body<'_, '_>, before: usize) {
     cx.diagnostics.extend(rest);
 }
 
-/// Whether the expression is `x = e` where `x` is meant as the name of an argument; reported if so.
+/// Whether the argument `value` is written `x = e` where `x` is the name of a parameter of declaration `id`, so that
+/// `x: e` was meant. The error is reported.
 pub(crate) fn report_arg_named_by_eq<'a>(
     cx: &mut Body<'_, 'a>,
     id: DeclId,
@@ -140,8 +141,8 @@ pub(crate) fn report_arg_named_by_eq<'a>(
     true
 }
 
-/// Returns the argument of each in-port of a callable. Reports unknown, missing and excess arguments and returns
-/// `None` if there are any.
+/// Returns for each in-port of a callable its argument, or `None` for a port that uses its default. Reports unknown,
+/// missing and excess arguments and returns `None` if there are any.
 pub(crate) fn match_args_to_ports<'a>(
     cx: &mut Body<'_, 'a>,
     header: &Rc<Header>,
@@ -166,8 +167,8 @@ pub(crate) fn match_args_to_ports<'a>(
     (sound && check_missing_args(cx, header, &args, span)).then_some(args)
 }
 
-/// Assigns an argument to port `k`. Reports a second argument for the port and an argument that must be fixed at
-/// load time but is not.
+/// Stores `arg` as the argument of the port with index `k`. Reports a second argument for the port, and an argument
+/// that must be fixed when the command is loaded but changes. Returns `false` after an error.
 fn assign_arg<'a>(
     cx: &mut Body<'_, 'a>,
     header: &Header,
@@ -183,47 +184,59 @@ fn assign_arg<'a>(
         report::report_diagnostic(cx, diagnostic);
         return false;
     }
-    if arg.is_static && !is_load_time_constant(cx, arg.value) {
-        let diagnostic = Diagnostic::new(
-            Code::RPI2008,
-            format!("`{}` must be fixed when the command is loaded", port.name),
-        )
-        .primary(
-            cx.span_of(arg.value),
-            "this changes while the command runs",
-        )
-        .help(match port.role {
-            FlowRole::Param => format!(
-                "arguments in `<<...>>` are fixed at load time; in `{}`, declare `{}` as an in-port to let it change",
-                without_statics(&header.name),
-                port.name
-            ),
-            _ => format!(
-                "arguments in `<<...>>` are fixed at load time; pass this one in `(...)`: `{}: x`",
-                port.name
-            ),
-        });
-        report::report_diagnostic(cx, diagnostic);
-        return false;
+    if is_load_time_constant(cx, arg.value) {
+        return true;
     }
-    if !arg.is_static && port.role == FlowRole::Param && !is_load_time_constant(cx, arg.value) {
-        let diagnostic = Diagnostic::new(
-            Code::RPI2008,
-            format!(
-                "the parameter `{}` of `{}` must be fixed when the command is loaded",
-                port.name, header.name
-            ),
-        )
-        .primary(cx.span_of(arg.value), "this changes while the command runs")
-        .secondary(port.span, "declared as a parameter here")
-        .help(format!(
+    let diagnostic = match (arg.is_static, port.role) {
+        (true, _) => varying_static(cx, header, port, arg.value),
+        (false, FlowRole::Param) => varying_parameter(cx, header, port, arg.value),
+        (false, _) => return true,
+    };
+    report::report_diagnostic(cx, diagnostic);
+    false
+}
+
+/// Returns the diagnostic for an argument in `<<...>>` that changes while the command runs.
+fn varying_static(cx: &Body<'_, '_>, header: &Header, port: &Port, value: ExprId) -> Diagnostic {
+    let help = match port.role {
+        FlowRole::Param => format!(
+            "arguments in `<<...>>` are fixed at load time; in `{}`, declare `{}` as an in-port to let it change",
+            without_statics(&header.name),
+            port.name
+        ),
+        _ => format!(
+            "arguments in `<<...>>` are fixed at load time; pass this one in `(...)`: `{}: {}`",
+            port.name,
+            Quote::text(cx.span_of(value))
+        ),
+    };
+    let message = format!("`{}` must be fixed when the command is loaded", port.name);
+    Diagnostic::new(Code::RPI2008, message)
+        .primary(cx.span_of(value), "this changes while the command runs")
+        .help(help)
+}
+
+/// Returns the diagnostic for an argument of a parameter if its value changes while the command runs.
+fn varying_parameter(cx: &Body<'_, '_>, header: &Header, port: &Port, value: ExprId) -> Diagnostic {
+    let help = match cx.unit.kind {
+        // A command has no in-ports; it reads what changes itself.
+        UnitKind::Task => format!(
+            "pass a constant, or let `{}` read the value itself while it runs",
+            header.name
+        ),
+        _ => format!(
             "pass a constant, or declare `{}` as an in-port, whose value may change",
             port.name
-        ));
-        report::report_diagnostic(cx, diagnostic);
-        return false;
-    }
-    true
+        ),
+    };
+    let message = format!(
+        "the parameter `{}` of `{}` must be fixed when the command is loaded",
+        port.name, header.name
+    );
+    Diagnostic::new(Code::RPI2008, message)
+        .primary(cx.span_of(value), "this changes while the command runs")
+        .secondary(port.span, "declared as a parameter here")
+        .help(help)
 }
 
 /// Reports named arguments that match no port or parameter of a declaration; returns whether there are any.
@@ -249,7 +262,7 @@ pub(crate) fn report_unknown_args<'a>(
     any
 }
 
-/// Reports an argument without a matching port; returns `false`.
+/// Reports an argument without a port of the callee: an unknown name or one argument too many. Returns `false`.
 fn report_unexpected_arg<'a>(
     cx: &mut Body<'_, 'a>,
     header: &Header,
@@ -278,7 +291,7 @@ fn report_unexpected_arg<'a>(
     false
 }
 
-/// Whether every port without a default has an argument; reports the missing ones.
+/// Whether every port without a default value has an argument. Reports the missing arguments.
 fn check_missing_args(
     cx: &mut Body<'_, '_>,
     header: &Rc<Header>,
@@ -297,18 +310,27 @@ fn check_missing_args(
     }
     let open: Vec<Name> = open.iter().map(|(_, port)| port.name.clone()).collect();
     let names = join_names(open.iter().map(Name::as_str));
+    let noun = ["arguments", "argument"][usize::from(open.len() == 1)];
+    let signature = signature_text(header);
+    let help = match (&open[..], unit::reads_rpi_syntax(cx)) {
+        ([only], true) => {
+            format!("add `{only}: ...` to the arguments; it is declared as `{signature}`")
+        }
+        _ => format!("it is declared as `{signature}`"),
+    };
     let diagnostic = Diagnostic::new(
         Code::RPI1010,
-        format!("missing {names} of `{}`", header.name),
+        format!("missing {noun} {names} of `{}`", header.name),
     )
-    .primary(span, "arguments are missing")
+    .primary(span, format!("no value for {names}"))
     .secondary(header.span, "declared here")
-    .help(format!("it is declared as `{}`", signature_text(header)));
+    .help(help);
     report::report_diagnostic(cx, diagnostic);
     false
 }
 
-/// Checks the types of the arguments and infers the free names of the signature into `subst`.
+/// Checks the types of the arguments against the ports of the callee. Infers the types and frames that the signature
+/// leaves open, and stores them in `subst`. Returns whether all types match.
 pub(crate) fn check_arg_types(
     cx: &mut Body<'_, '_>,
     header: &Header,
@@ -340,7 +362,8 @@ pub(crate) fn check_arg_types(
     sound
 }
 
-/// Binds the frames of a device parameter to those of the device passed for it.
+/// Replaces, in `subst`, each frame of the device that is passed for the port by the corresponding frame of the caller:
+/// `port.tcp` becomes `arm.tcp` for the device `arm`. Ports that take no device are ignored.
 fn bind_device_frames(cx: &mut Body<'_, '_>, port: &Port, arg: ExprId, subst: &mut Substitution) {
     let (Ty::Device(device), TypedKind::Flow(flow)) = (&port.ty, &cx.unit.expr(arg).kind) else {
         return;
@@ -353,7 +376,7 @@ fn bind_device_frames(cx: &mut Body<'_, '_>, port: &Port, arg: ExprId, subst: &m
     }
 }
 
-/// Whether a value is the same in all cycles, as it depends on constants and parameters only.
+/// Whether the value of an expression is the same in all cycles, because it depends on constants and parameters only.
 pub(crate) fn is_load_time_constant(cx: &Body<'_, '_>, id: ExprId) -> bool {
     let mut parts = cx.unit.traverse(id);
     while let Some((id, expr)) = parts.next() {
@@ -390,18 +413,21 @@ pub(crate) fn is_load_time_constant(cx: &Body<'_, '_>, id: ExprId) -> bool {
     true
 }
 
-/// Returns the name of a callable without the static arguments of the instance.
+/// Returns the name of a callable without its static arguments: `f` for `f<<3>>`.
 pub(crate) fn without_statics(name: &Name) -> &str {
     name.split("<<").next().unwrap_or(name)
 }
 
-/// Returns the name of a callable and its in-ports with their types, for messages. Long lists are cut off.
+/// Returns the name of a callable and its in-ports with their types, for messages. A long list of ports is cut off.
 pub(crate) fn signature_text(header: &Header) -> String {
     const LONGEST: usize = 6;
     let wanted = |port: &&Port| port.role != FlowRole::TakenOver;
     let mut ports: Vec<String> = Vec::new();
     for port in header.inputs.iter().filter(wanted).take(LONGEST) {
-        ports.push(format!("{}: {}", port.name, port.ty));
+        ports.push(match port.ty.is_unknown() {
+            true => port.name.to_string(),
+            false => format!("{}: {}", port.name, port.ty),
+        });
     }
     if header.inputs.iter().filter(wanted).count() > LONGEST {
         ports.push("...".to_owned());
@@ -409,7 +435,7 @@ pub(crate) fn signature_text(header: &Header) -> String {
     format!("{}({})", header.name, ports.join("; "))
 }
 
-/// Returns the indices of the ports that take positional arguments.
+/// Returns the indices, among the in-ports of a callable, of the ports that take positional arguments.
 pub(crate) fn positional_ports(header: &Header) -> Vec<usize> {
     let wanted = |port: &Port| match (header.kind, port.role) {
         (kind, role) if kind.is_root() => role == FlowRole::Param,

@@ -41,13 +41,13 @@ use rpi_syntax::Name;
 use rpi_syntax::ast::{self, NodeDef};
 use std::rc::Rc;
 
-/// Call whose arguments match the ports of the callee.
+/// Call whose arguments have been matched with the ports of the callee.
 pub(crate) struct MatchedCall {
-    /// Header of the called instance.
+    /// Ports of the called declaration for its static arguments.
     pub(crate) header: Rc<Header>,
-    /// Argument of each in-port; `None` for a port that uses its default.
+    /// Argument of each in-port, in the order of the ports; `None` for a port that uses its default.
     pub(crate) args: Vec<Option<ExprId>>,
-    /// Types and frames inferred for the free names of the signature.
+    /// Types and frames inferred from the arguments for the names that the signature leaves open.
     subst: Substitution,
 }
 
@@ -57,7 +57,8 @@ pub(crate) fn check_call<'a>(cx: &mut Body<'_, 'a>, call: &'a ast::Call, span: S
     call_with_activation(cx, call, activation, span)
 }
 
-/// Checks a call with a given activation.
+/// Checks a call with the activation (condition under which the callee runs) that is written around it, and returns its
+/// typed expression.
 pub(crate) fn call_with_activation<'a>(
     cx: &mut Body<'_, 'a>,
     call: &'a ast::Call,
@@ -111,8 +112,8 @@ pub(crate) fn call_with_activation<'a>(
     }
 }
 
-/// Checks a call of a declaration with this activation. A call of an alias (`node f = g<<3>>;`) is a call of its
-/// target.
+/// Checks a call of a declaration under an activation condition, and returns its typed expression. A call of an alias
+/// (`node f = g<<3>>;`) is a call of its target.
 fn call_decl<'a>(
     cx: &mut Body<'_, 'a>,
     id: DeclId,
@@ -140,7 +141,8 @@ fn call_decl<'a>(
     call_declared(cx, id, bound.statics, given, activation, span)
 }
 
-/// Checks the conditions of an activation.
+/// Checks the conditions and the default value of an activation, as in `activate ... every c`, and returns their typed
+/// form.
 fn resolve_activation<'a>(cx: &mut Body<'_, 'a>, activation: &'a ast::Activation) -> Activation {
     match activation {
         ast::Activation::Always => Activation::Always,
@@ -163,7 +165,7 @@ fn resolve_activation<'a>(cx: &mut Body<'_, 'a>, activation: &'a ast::Activation
     }
 }
 
-/// Checks a call of a callable with checked arguments.
+/// Checks the application of a callable to arguments that have been checked, and returns its typed expression.
 pub(crate) fn call_callable<'a>(
     cx: &mut Body<'_, 'a>,
     callable: &Callable,
@@ -184,7 +186,8 @@ pub(crate) fn call_callable<'a>(
     }
 }
 
-/// Checks a call of a declaration with the values of its fixed ports added to the arguments.
+/// Checks a call of a declaration. The values that static arguments have fixed for some of its ports are added to the
+/// arguments `given`.
 fn call_with_fixed_ports<'a>(
     cx: &mut Body<'_, 'a>,
     id: DeclId,
@@ -214,7 +217,8 @@ fn call_with_fixed_ports<'a>(
     call_declared(cx, id, (**statics).clone(), given, activation, span)
 }
 
-/// Checks a call of a declaration with checked arguments.
+/// Checks a call of a declaration with values `statics` of its static parameters and checked arguments `given`. Returns
+/// the typed expression of the call.
 fn call_declared<'a>(
     cx: &mut Body<'_, 'a>,
     id: DeclId,
@@ -230,9 +234,9 @@ fn call_declared<'a>(
     }
 }
 
-/// Matches arguments with the ports of a declaration and infers its open static parameters.
+/// Matches the arguments of a call with the ports of a declaration, and infers the static parameters without a value.
 ///
-/// Returns the type of the result, as far as it is known, after an error.
+/// After an error, it returns the type of the result as far as this type is known.
 pub(crate) fn match_call<'a>(
     cx: &mut Body<'_, 'a>,
     id: DeclId,
@@ -289,7 +293,8 @@ pub(crate) fn match_call<'a>(
     }
 }
 
-/// Adds the call of an instance.
+/// Adds the typed expression of a call to the body and returns it. The called declaration is checked for these static
+/// arguments if that has not been done.
 fn add_call(
     cx: &mut Body<'_, '_>,
     fitted: MatchedCall,
@@ -331,7 +336,8 @@ fn add_call(
     cx.add(TypedKind::Call(Box::new(call)), ty, span)
 }
 
-/// Gives each argument that decides the clock of another port a flow of its own, as clocks refer to flows by name.
+/// Gives each argument that is the clock of another port a flow of its own, because a clock refers to a flow by name.
+/// Returns the changed arguments.
 fn name_clock_args(
     cx: &mut Body<'_, '_>,
     header: &Header,
@@ -350,7 +356,8 @@ fn name_clock_args(
     args
 }
 
-/// Adds a flow with the value of an expression, named after the port with a unique suffix.
+/// Adds a flow whose value is an expression, named after the port with a unique suffix. Returns an expression that
+/// reads the flow.
 fn bind_to_flow(
     cx: &mut Body<'_, '_>,
     port: &crate::check::signatures::header::Port,
@@ -378,7 +385,7 @@ fn bind_to_flow(
     names::flow_expr(cx, flow, span)
 }
 
-/// Reports a call of a node without a body.
+/// Reports a call of a node that is declared without a body (`extern`), because it cannot be executed.
 fn report_extern_call(cx: &mut Body<'_, '_>, header: &Header, span: Span) {
     if let DeclKind::Node(node) = cx.checker.program.decl(header.decl).kind
         && matches!(node.definition, NodeDef::Extern)

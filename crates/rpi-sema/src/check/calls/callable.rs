@@ -16,26 +16,26 @@ use rpi_syntax::Name;
 use rpi_syntax::ast::StaticOp;
 use std::rc::Rc;
 
-/// Callable: what a call or an iterator applies, such as a node, a primitive or an operator.
+/// Anything that a call or an iterator can apply to arguments, such as a node, a primitive or an operator.
 #[derive(Clone, Debug)]
 pub(crate) enum Callable {
-    /// Declaration with the static arguments given so far and the values of fixed ports.
+    /// Declaration, with the static arguments given so far and the values of those ports that static arguments fix.
     Unit(DeclId, Rc<StaticBindings>, Rc<[(Name, FixedPortValue)]>),
-    /// Registered primitive.
+    /// Primitive (basic operation) of the registry.
     Prim(PrimId),
-    /// Operator.
+    /// Operator of the expression syntax, such as `+`, or `if`.
     Op(StaticOp),
-    /// Operator called by name, such as `Lustre::iplus`.
+    /// Operator that is called by its Lustre V6 name, such as `Lustre::iplus`.
     Predefined(&'static PredefinedOp),
-    /// Predeclared operator with its own checks.
+    /// Predeclared operator whose arguments have rules of their own, such as `hold`.
     Intrinsic(Intrinsic),
-    /// Iterator with its callee and size.
+    /// Iterator over arrays, such as `map`, with the node that it applies and the size of the arrays.
     Iteration(Rc<IteratorCall>),
-    /// Node parameter without a value: only its ports are known.
+    /// Static parameter that stands for a node and has no value yet, so that only its declared ports are known.
     NodeParam(Rc<Header>),
 }
 
-/// Value of a port that a static argument fixes.
+/// Value that a static argument gives to an in-port of a callable.
 #[derive(Clone, Debug)]
 pub(crate) enum FixedPortValue {
     /// Value known at compile time.
@@ -45,7 +45,8 @@ pub(crate) enum FixedPortValue {
 }
 
 impl Callable {
-    /// Returns a fixed value that is only known in the body that contains the callable.
+    /// Returns the value of a port that is fixed only when the command is loaded; `None` if the callable has no such
+    /// port. The value is an expression of the body that contains the callable.
     pub(crate) fn load_time_value(&self) -> Option<ExprId> {
         match self {
             Callable::Unit(_, _, fixed) => fixed.iter().find_map(|(_, fixed)| match fixed {
@@ -57,7 +58,7 @@ impl Callable {
         }
     }
 
-    /// Returns the name for messages.
+    /// Returns the name of the callable with its static arguments, for messages.
     pub(crate) fn name(&self, program: &Program<'_>) -> String {
         match self {
             Callable::Unit(id, statics, _) => {
@@ -70,7 +71,8 @@ impl Callable {
         }
     }
 
-    /// Returns the source text of a callable that has no declaration; empty for declarations and iterators.
+    /// Returns the source text of a callable that has no declaration, such as `+` for an operator; empty for
+    /// declarations and iterators.
     pub(crate) fn source_text(&self) -> String {
         match self {
             Callable::Prim(prim) => prim.desc().name.to_owned(),
@@ -84,7 +86,8 @@ impl Callable {
         }
     }
 
-    /// Appends the text that distinguishes this callable from others in keys of instances.
+    /// Appends text that distinguishes this callable from all others, for the keys under which checked instances are
+    /// stored.
     pub(crate) fn write_key(&self, out: &mut String) {
         match self {
             Callable::Unit(id, statics, fixed) => {

@@ -27,31 +27,35 @@ use crate::check::types::consts;
 use crate::check::types::data;
 use crate::elab::NotConstantError;
 use crate::program::{DeclId, DeclKind, Lookup, NameSpace};
+use crate::ty::Ty;
 use rpi_diag::Span;
 use rpi_prims::{PrimId, registry};
 use rpi_syntax::Name;
 use rpi_syntax::ast::{self, NodeDef, NodeKind, StaticArg};
 use std::rc::Rc;
 
-/// Meaning of the name that a call calls.
+/// What the name in a call refers to.
 pub(crate) enum Callee<'a> {
-    /// Callable with all its static arguments: a node parameter or an operator.
+    /// Callable that needs no further static arguments: an operator, or the value of a static parameter that stands for
+    /// a node.
     Known(Callable),
-    /// Declaration of a node, function or the like.
+    /// Declaration that can be called, such as that of a node or a function.
     Decl(DeclId),
-    /// Predeclared operator with its own checks.
+    /// Predeclared operator whose arguments have rules of their own, such as `hold`.
     Special(Intrinsic),
-    /// Registered primitive.
+    /// Primitive (basic operation) of the registry.
     Prim(PrimId),
-    /// Iterator over arrays, by name.
+    /// Iterator over arrays with this name: `map`, `fold`, `red` and the like.
     Iterator(&'static str),
-    /// Alternative of a `datatype`: its type and index.
+    /// Alternative of a `datatype`, which is called to construct a value: the declaration of the type, and the index of
+    /// the alternative.
     Constructor(DeclId, u32),
-    /// The name is not callable, which has been reported.
+    /// The name cannot be called, and the error has been reported.
     Nothing(std::marker::PhantomData<&'a ()>),
 }
 
-/// Returns the callable that an alias stands for. The alias may have static parameters.
+/// Returns the callable for which the alias `id` (`node f = g<<3>>;`) stands. `callee` is the target of the alias and
+/// `statics` are the static arguments of the call. `None` after an error.
 pub(crate) fn resolve_alias<'a>(
     cx: &mut Body<'_, 'a>,
     id: DeclId,
@@ -76,8 +80,8 @@ pub(crate) fn resolve_alias<'a>(
     callable
 }
 
-/// Checks the unit of an alias with static parameters and declared ports, so that ports that differ from those of
-/// its target are reported.
+/// Checks an alias with static parameters and declared ports, so that ports that differ from those of its target are
+/// reported.
 fn check_alias_ports(cx: &mut Body<'_, '_>, id: DeclId, statics: &StaticBindings) {
     let DeclKind::Node(node) = cx.checker.program.decl(id).kind else {
         return;
@@ -94,8 +98,8 @@ fn check_alias_ports(cx: &mut Body<'_, '_>, id: DeclId, statics: &StaticBindings
     }
 }
 
-/// Finds what a name calls: a static parameter, a declaration, an operator or a primitive. Reports a name that has no
-/// meaning.
+/// Returns the meaning of the name in a call: a static parameter, a declaration, an operator or a primitive. Reports an
+/// undefined name.
 pub(crate) fn resolve_callee<'a>(cx: &mut Body<'_, 'a>, name: &Name, span: Span) -> Callee<'a> {
     let importing = std::mem::take(&mut cx.contract.resolving_contract);
     if let Some(StaticBinding::Callable(callable, misfit)) = cx.statics.get(name).cloned() {
@@ -136,7 +140,7 @@ pub(crate) fn resolve_callee<'a>(cx: &mut Body<'_, 'a>, name: &Name, span: Span)
     }
 }
 
-/// Reports the import of an undefined contract, with the most similar contract. A node of the same name is not meant.
+/// Reports the import of an undefined contract and suggests the most similar contract. Nodes are not suggested.
 fn report_undefined_contract(cx: &mut Body<'_, '_>, name: &Name, span: Span) {
     let is_contract = |id: DeclId| matches!(cx.checker.program.decl(id).kind, DeclKind::Node(node) if node.kind == NodeKind::Contract);
     let visible = cx.checker.program.visible_names(cx.module, is_contract);
@@ -150,7 +154,8 @@ fn report_undefined_contract(cx: &mut Body<'_, '_>, name: &Name, span: Span) {
     report::report_diagnostic(cx, diagnostic);
 }
 
-/// Resolves a declaration as a callee; reports one that is not callable.
+/// Returns a declaration as the meaning of the name in a call. Reports a declaration that cannot be called, such as a
+/// type.
 fn resolve_callee_decl<'a>(
     cx: &mut Body<'_, 'a>,
     id: DeclId,
@@ -173,7 +178,7 @@ fn resolve_callee_decl<'a>(
     Callee::Nothing(std::marker::PhantomData)
 }
 
-/// Resolves an iterator, a predeclared operator or a primitive; reports an undefined name.
+/// Returns the iterator, predeclared operator or primitive with this name. Reports an undefined name.
 fn resolve_builtin_callee<'a>(cx: &mut Body<'_, 'a>, name: &Name, span: Span) -> Callee<'a> {
     let plain = name.strip_prefix("Lustre::").unwrap_or(name);
     if let Some(iterator) = crate::check::calls::iterate::ITERATORS
@@ -208,14 +213,18 @@ fn resolve_builtin_callee<'a>(cx: &mut Body<'_, 'a>, name: &Name, span: Span) ->
     Callee::Nothing(std::marker::PhantomData)
 }
 
-/// Reports an undefined callee, with a suggestion.
+/// Reports the undefined name of a callee and suggests a similar name or the equivalent of a name from another
+/// language.
 fn report_undefined_callee(cx: &mut Body<'_, '_>, name: &Name, span: Span) {
     if let Some(Local::Flow(flow)) = locals::find_local(cx, name) {
         let declared = cx.unit.flow(flow).span;
-        let diagnostic = wrong_kind_of_name("a callable", name, "a flow", span, declared).help(
-            format!("read an array element by `{name}[0]`; write a product as `{name} * x`"),
-        );
-        return report::report_diagnostic(cx, diagnostic);
+        let help = match &cx.unit.flow(flow).ty {
+            Ty::Array(..) => format!("an element is read by brackets: `{name}[...]`"),
+            Ty::Int | Ty::Real(_) => format!("a product is written with `*`: `{name} * ...`"),
+            _ => format!("write `{name}` without arguments, or the name of a node"),
+        };
+        let diagnostic = wrong_kind_of_name("a callable", name, "a flow", span, declared);
+        return report::report_diagnostic(cx, diagnostic.help(help));
     }
     let callable = |id: DeclId| is_callable(cx.checker.program.decl(id).kind);
     let near = cx
@@ -251,7 +260,8 @@ fn report_undefined_callee(cx: &mut Body<'_, '_>, name: &Name, span: Span) {
     }
 }
 
-/// Resolves a callable with its static arguments, for an iterator or as a static argument.
+/// Returns the callable that a name with static arguments refers to, when it is passed to an iterator or as a static
+/// argument. `None` after an error.
 pub(crate) fn resolve_callable<'a>(
     cx: &mut Body<'_, 'a>,
     name: &Name,
@@ -291,7 +301,8 @@ pub(crate) fn resolve_callable<'a>(
     }
 }
 
-/// Returns the values of the ports that static arguments fix.
+/// Returns the values of the ports that static arguments fix, each computed now or, if it depends on parameters of the
+/// command, when the command is loaded. `None` after an error.
 fn fold_fixed_ports<'a>(
     cx: &mut Body<'_, 'a>,
     ports: &[CallArgument<'a>],
@@ -312,7 +323,8 @@ fn fold_fixed_ports<'a>(
     Some(fixed.into())
 }
 
-/// Rejects a callable with values that are only known in this body; returns `None` after the error.
+/// Returns the callable, or `None` after an error if the value of one of its ports is an expression of the current
+/// body, so that the callable cannot be used outside of the body.
 pub(crate) fn require_portable(cx: &mut Body<'_, '_>, callable: Callable) -> Option<Callable> {
     match callable.load_time_value() {
         None => Some(callable),

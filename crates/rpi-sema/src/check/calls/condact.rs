@@ -17,7 +17,8 @@ use crate::typed::{Activation, ElementwiseOp, TypedKind};
 use rpi_diag::{Code, Diagnostic, Span};
 use rpi_syntax::ast::{Call, Expr, StaticValue};
 
-/// Checks a call of `condact` with static arguments.
+/// Checks a call of `condact` with static arguments, `condact<<node, default>>(condition, arguments)`, and returns its
+/// typed expression.
 pub(crate) fn condact_call<'a>(cx: &mut Body<'_, 'a>, call: &'a Call, span: Span) -> ExprId {
     let given = args::check_args(cx, &call.args);
     let mut given = flatten_first_arg(cx, given).into_iter();
@@ -52,7 +53,8 @@ pub(crate) fn condact_call<'a>(cx: &mut Body<'_, 'a>, call: &'a Call, span: Span
     }
 }
 
-/// Decomposes the first argument, as the condition may be the first output of a call.
+/// Replaces the first argument by its elements if it is a tuple, because the condition of `condact` may be the first
+/// output of a call.
 fn flatten_first_arg<'a>(
     cx: &mut Body<'_, 'a>,
     mut given: Vec<CallArgument<'a>>,
@@ -64,13 +66,15 @@ fn flatten_first_arg<'a>(
         .collect()
 }
 
-/// Checks the value of the output before the first activation. Between activations the output is held.
+/// Checks the default of a conditionally active call: the value of its output before the first activation. After that,
+/// the output is held while the call is not active.
 pub(crate) fn check_condact_default<'a>(cx: &mut Body<'_, 'a>, default: &'a Expr) -> ExprId {
     cx.record_state(default.span);
     expr::check_expr(cx, default)
 }
 
-/// Checks `condact` of an operator, which has no state of its own: its value is held while the condition is false.
+/// Checks `condact` of an operator. The operator has no state of its own, so that its value is held while the condition
+/// is false. `every` is the condition and `default` is the value before the condition is true for the first time.
 fn condact_of_operator<'a>(
     cx: &mut Body<'_, 'a>,
     callable: &Callable,

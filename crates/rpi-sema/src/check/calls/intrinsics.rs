@@ -24,22 +24,23 @@ use rpi_diag::{Code, Diagnostic, Span};
 use rpi_net::prim;
 use rpi_syntax::ast::{self, ExprKind};
 
-/// A predeclared operator in call syntax.
+/// Predeclared operator in call syntax whose arguments have rules of their own.
 #[derive(Clone, Copy, PartialEq, Debug)]
 pub(crate) enum Intrinsic {
     /// `present(x)`: whether a flow is present in this cycle.
     Present,
     /// `hold(x, init)`: the latest present value; `init` before the first one.
     Hold,
-    /// `condact(c, f(x), d)`: `f(x)` in cycles in which `c` holds, else its previous value; `d` before the first one.
+    /// `condact(c, f(x), d)`: the value of `f(x)` in cycles in which `c` holds, else the previous value; `d` before `c`
+    /// holds for the first time.
     Condact,
     /// `sqrt(x)`: square root of the value and of its dimension.
     Sqrt,
-    /// `any<<t>>()`, `any@<t>` of Kind 2: a nondeterministic value.
+    /// `any<<t>>()`, or `any@<t>` of Kind 2: a nondeterministic value of a type.
     Any,
     /// `choose { x: t | c }` of Kind 2: a nondeterministic value that is always the same for the same arguments.
     Choose,
-    /// `(int8 x)` of Kind 2: conversion to a machine integer.
+    /// `(int8 x)` of Kind 2: conversion to the machine integer type with this name.
     Machine(&'static str),
     /// `time(x)`: conversion of seconds to a time in whole ticks, rounded up.
     Time,
@@ -90,7 +91,7 @@ impl Intrinsic {
 }
 
 impl Intrinsic {
-    /// Returns the syntax of a call and the result, for help texts.
+    /// Returns the syntax of a call and a description of the result, for help texts.
     fn usage(self) -> &'static str {
         match self {
             Intrinsic::Present => "`present(x)`: whether `x` is present",
@@ -108,7 +109,7 @@ impl Intrinsic {
     }
 }
 
-/// Checks a call of a predeclared operator.
+/// Checks a call of a predeclared operator and returns its typed expression.
 pub(crate) fn check_intrinsic<'a>(
     cx: &mut Body<'_, 'a>,
     special: Intrinsic,
@@ -130,7 +131,8 @@ pub(crate) fn check_intrinsic<'a>(
     apply_intrinsic(cx, special, &given, span)
 }
 
-/// Checks `any` and `choose`, whose values are nondeterministic.
+/// Checks `any` and `choose`, whose values are nondeterministic, and returns a typed expression. A warning reports
+/// which value is used at run time.
 fn nondeterministic_value<'a>(
     cx: &mut Body<'_, 'a>,
     special: Intrinsic,
@@ -145,15 +147,18 @@ fn nondeterministic_value<'a>(
     let Some(ty) = static_args::static_type(cx, of) else {
         return cx.error_expr(span);
     };
+    let zero = ty.zero_literal().unwrap_or("false or 0".to_owned());
     report::report_diagnostic(
         cx,
         Diagnostic::new(Code::RPI1013, "nondeterministic value")
-            .primary(span, "false or 0 at run time"),
+            .primary(span, format!("{zero} at run time"))
+            .help("a model checker tries all values; to run the program with others, make it an in-port"),
     );
     cx.add(TypedKind::Arbitrary, ty, span)
 }
 
-/// Checks a predeclared operator with checked arguments.
+/// Checks the application of a predeclared operator to arguments that have been checked, and returns its typed
+/// expression.
 pub(crate) fn apply_intrinsic<'a>(
     cx: &mut Body<'_, 'a>,
     special: Intrinsic,
@@ -195,7 +200,7 @@ pub(crate) fn apply_intrinsic<'a>(
     }
 }
 
-/// Checks `time(x)`: seconds as a time in whole ticks.
+/// Checks `time(x)`, which converts seconds to a time in whole ticks, and returns its typed expression.
 fn time_conversion(cx: &mut Body<'_, '_>, x: ExprId, span: Span) -> ExprId {
     if *cx.ty_of(x) == Ty::Duration || exact_time::convert_to_ticks(cx, x) {
         return x;
@@ -225,7 +230,7 @@ fn sqrt(cx: &mut Body<'_, '_>, x: ExprId, span: Span) -> ExprId {
     prim::add_prim(cx, prim!("Core::DoubleSquareRoot"), &[x], ty, span)
 }
 
-/// Checks `condact(c, f(x), d)`.
+/// Checks `condact(c, f(x), d)` and returns its typed expression.
 fn check_condact<'a>(cx: &mut Body<'_, 'a>, call: &'a ast::Call, span: Span) -> ExprId {
     let [every, called, defaults @ ..] = &call.args[..] else {
         return invalid_condact(cx, span);

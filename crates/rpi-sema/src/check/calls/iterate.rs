@@ -24,7 +24,7 @@ use rpi_syntax::ast::{StaticArg, StaticValue};
 use rpi_syntax::ops::BinaryOp;
 use std::rc::Rc;
 
-/// Names of the operators that apply a node along arrays. Declarations of these names take precedence.
+/// Names of the operators that apply a node along arrays. A declaration with one of these names hides the operator.
 pub(crate) const ITERATORS: &[&str] = &[
     "map", "red", "fold", "fill", "fillred", "mapfold", "boolred", "condact",
 ];
@@ -32,16 +32,17 @@ pub(crate) const ITERATORS: &[&str] = &[
 /// Pattern by which an iterator applies its callee along arrays.
 #[derive(Clone, Copy, PartialEq, Debug)]
 enum IteratorKind {
-    /// Applies the callee to each element.
+    /// Applies the callee to each element separately (`map`).
     Map,
     /// Passes an accumulator through the calls (`red`, `fill`, `fillred`); each call may also read an element and
     /// produce an element.
     Fold,
-    /// Tests whether the number of true elements is in a range, given by its two bounds.
+    /// Tests whether the number of true elements is at least the first and at most the second bound (`boolred`).
     Count(i64, i64),
 }
 
-/// Iterator with its static arguments: the callee and the size of the arrays.
+/// Iterator with its static arguments: the callee that is applied to the elements (`None` for `boolred`), and the size
+/// of the arrays.
 #[derive(Clone, Debug)]
 pub(crate) struct IteratorCall {
     name: &'static str,
@@ -51,7 +52,7 @@ pub(crate) struct IteratorCall {
 }
 
 impl IteratorCall {
-    /// Returns the name for messages: `map<<f; 3>>`.
+    /// Returns the iterator with its static arguments, as in `map<<f; 3>>`, for messages.
     pub(crate) fn name(&self, program: &Program<'_>) -> String {
         let size = self.size;
         match (&self.callee, self.kind) {
@@ -63,7 +64,8 @@ impl IteratorCall {
         }
     }
 
-    /// Appends the text that distinguishes this iterator from others in keys of instances.
+    /// Appends text that distinguishes this iterator from all other callables, for the keys under which checked
+    /// instances are stored.
     pub(crate) fn write_key(&self, key: &mut String) {
         key.push_str(self.name);
         key.push_str("<<");
@@ -73,12 +75,13 @@ impl IteratorCall {
         key.push_str(&format!("; {}; {:?}>>", self.size, self.kind));
     }
 
-    /// Returns the callable that is applied to each element.
+    /// Returns the callable that is applied to each element; `None` for `boolred`.
     pub(crate) fn resolve_callee(&self) -> Option<&Callable> {
         self.callee.as_ref()
     }
 
-    /// Returns the type of a port of the iterator, from the type `of_callee` of the callee's port at the same place.
+    /// Returns the type of port `place` of the iterator. `of_callee` is the type of the callee's port at the same
+    /// place, which is the type of one element or, for port 0 of `fold`, of the accumulator.
     pub(crate) fn port_type(&self, place: usize, of_callee: &Ty) -> Ty {
         match self.kind {
             IteratorKind::Fold if place == 0 => of_callee.clone(),
@@ -87,7 +90,8 @@ impl IteratorCall {
     }
 }
 
-/// Checks an iterator with its static arguments.
+/// Resolves the static arguments of the iterator `name`: the callee and the size of the arrays. Returns `None` after an
+/// error.
 pub(crate) fn resolve_iterator<'a>(
     cx: &mut Body<'_, 'a>,
     name: &'static str,
@@ -136,7 +140,8 @@ pub(crate) fn resolve_iterator<'a>(
     }
 }
 
-/// Checks the bounds of `boolred`, as Lustre V6 does; `None` after an error.
+/// Checks that 0 <= `least` <= `most` <= `n` for `boolred<<least; most; n>>`, as Lustre V6 does. Reports a violation at
+/// the static arguments `args` and returns `None`.
 fn check_boolred_bounds(
     cx: &mut Body<'_, '_>,
     (least, most): (i64, i64),
@@ -178,7 +183,7 @@ fn static_size_arg<'a>(cx: &mut Body<'_, 'a>, arg: &'a StaticArg) -> Option<u32>
     }
 }
 
-/// Applies an iterator to checked arguments.
+/// Checks the application of an iterator to arguments that have been checked, and returns its typed expression.
 pub(crate) fn apply_iterator<'a>(
     cx: &mut Body<'_, 'a>,
     iteration: &IteratorCall,
@@ -199,7 +204,8 @@ pub(crate) fn apply_iterator<'a>(
     }
 }
 
-/// Returns element `k` of each array; reports arrays whose size is not `n`.
+/// Adds an expression for element `k` of each array, and returns these expressions. Reports an array whose size is not
+/// `n` and returns `None`.
 fn elements_at(cx: &mut Body<'_, '_>, arrays: &[ExprId], k: u32, n: u32) -> Option<Vec<ExprId>> {
     let place = arrays
         .first()
@@ -237,7 +243,7 @@ fn elements_at(cx: &mut Body<'_, '_>, arrays: &[ExprId], k: u32, n: u32) -> Opti
     Some(elements)
 }
 
-/// Calls the callee for one element and returns its outputs.
+/// Adds a call of the callee for one element and returns its outputs, one expression for each.
 fn call_element(
     cx: &mut Body<'_, '_>,
     callee: &Callable,
@@ -252,7 +258,8 @@ fn call_element(
     }
 }
 
-/// Checks `map`.
+/// Checks `map`: applies the callee to each of the `n` elements of the arrays. Returns the array, or the tuple of
+/// arrays, of the results.
 fn map_arrays(
     cx: &mut Body<'_, '_>,
     callee: &Callable,
@@ -275,7 +282,9 @@ fn map_arrays(
     one_or_tuple(cx, arrays, span)
 }
 
-/// Checks `fill`, `red` (`fold`) and `fillred` (`mapfold`). They differ only in the ports of the callee.
+/// Checks `fill`, `red` (`fold`) and `fillred` (`mapfold`), which differ only in the ports of the callee. The first of
+/// `values` is the initial accumulator; the others are arrays of `n` elements. Returns the last accumulator, in a tuple
+/// with the arrays of further results if there are any.
 fn fold_arrays(
     cx: &mut Body<'_, '_>,
     callee: &Callable,
@@ -307,7 +316,7 @@ fn fold_arrays(
     one_or_tuple(cx, results, span)
 }
 
-/// Adds an array of the values of one output for all elements.
+/// Adds an array of the values that one output of the callee has for all elements, and returns it.
 fn collect_column(cx: &mut Body<'_, '_>, elements: &[ExprId], span: Span) -> ExprId {
     let n = u32::try_from(elements.len()).unwrap_or(u32::MAX);
     let element = elements
@@ -322,7 +331,7 @@ fn collect_column(cx: &mut Body<'_, '_>, elements: &[ExprId], span: Span) -> Exp
     )
 }
 
-/// Returns the only value, or a tuple expression of several values.
+/// Returns the value itself if there is only one, else a new tuple expression of all values.
 fn one_or_tuple(cx: &mut Body<'_, '_>, values: Vec<ExprId>, span: Span) -> ExprId {
     if let [one] = values[..] {
         return one;
@@ -335,7 +344,8 @@ fn one_or_tuple(cx: &mut Body<'_, '_>, values: Vec<ExprId>, span: Span) -> ExprI
     cx.add(TypedKind::Build(values.into()), Ty::Tuple(members), span)
 }
 
-/// Checks `boolred<<least; most; n>>(a)`: whether the number of true elements is between the bounds.
+/// Checks `boolred<<least; most; n>>(a)` and returns a Boolean expression: whether at least `least` and at most `most`
+/// of the `n` elements are true.
 fn count_true(
     cx: &mut Body<'_, '_>,
     least: i64,
@@ -365,7 +375,7 @@ fn count_true(
     ops::logical_prim(cx, prim!("Core::BooleanAnd"), &[at_least, at_most], span)
 }
 
-/// Adds the expression `if condition then total + 1 else total`.
+/// Adds the expression `if condition then total + 1 else total` and returns it.
 fn increment_if(cx: &mut Body<'_, '_>, condition: ExprId, total: ExprId, span: Span) -> ExprId {
     let [one, zero] = [1, 0].map(|v| cx.add(TypedKind::Literal(Leaf::int(v)), Ty::Int, span));
     let more = TypedKind::Each(
@@ -376,7 +386,7 @@ fn increment_if(cx: &mut Body<'_, '_>, condition: ExprId, total: ExprId, span: S
     ops::binary_prim(cx, BinaryOp::Add, total, more, span)
 }
 
-/// Appends the outputs of one call of an iterator to the columns of outputs.
+/// Appends the outputs of one call of the callee to `columns`, which has one list for each output.
 fn push_row(columns: &mut Vec<Vec<ExprId>>, row: &[ExprId]) {
     columns.resize_with(columns.len().max(row.len()), Vec::new);
     for (column, value) in columns.iter_mut().zip(row) {

@@ -11,11 +11,11 @@ use rpi_syntax::ops::{BinaryOp, UnaryOp};
 pub(crate) struct PredefinedOp {
     name: &'static str,
     pub(crate) op: StaticOp,
-    /// Operand type and result type; `None` for an overloaded operator.
+    /// Type of all operands, and type of the result; `None` for an operator that accepts several types.
     types: Option<(OperandType, OperandType)>,
 }
 
-/// Operand or result type of an operator in the table of predefined operators.
+/// Type of the operands or of the result of an operator in the table of predefined operators.
 #[derive(Clone, Copy, Debug)]
 enum OperandType {
     Bool,
@@ -95,7 +95,8 @@ const PREDEFINED_OPS: &[PredefinedOp] = &[
     monomorphic("int2real", Unary(UnaryOp::ToReal), Int, Real),
 ];
 
-/// Returns the operator of a name. The conversions `int2real` and `real2int` need no `Lustre::` prefix.
+/// Returns the operator with a Lustre V6 name such as `Lustre::iplus`; `None` if there is none. The conversions
+/// `int2real` and `real2int` need no `Lustre::` prefix.
 pub(crate) fn predefined_op(name: &str) -> Option<Callable> {
     let plain = name.strip_prefix("Lustre::");
     let name = plain.or_else(|| matches!(name, "int2real" | "real2int").then_some(name))?;
@@ -108,7 +109,7 @@ impl PredefinedOp {
         format!("Lustre::{}", self.name)
     }
 
-    /// Returns the operand types and the result type; `None` for an overloaded operator.
+    /// Returns the types of the operands and the type of the result; `None` for an operator that accepts several types.
     pub(crate) fn signature(&self) -> Option<(Vec<Ty>, Ty)> {
         let (takes, gives) = self.types?;
         let count = match self.op {

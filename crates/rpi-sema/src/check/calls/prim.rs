@@ -6,7 +6,7 @@ use crate::check::calls::args;
 use crate::check::calls::args::CallArgument;
 use crate::check::calls::prim_ports;
 use crate::check::diagnostics::report;
-use crate::check::diagnostics::report::join_names;
+use crate::check::diagnostics::report::{join_names, members_help};
 use crate::check::exprs::expr;
 use crate::check::exprs::names;
 use crate::check::types::consts;
@@ -18,25 +18,27 @@ use rpi_image::{Fallback, PortType, PrimDesc, Role, Scalar, StateSize};
 use rpi_prims::PrimId;
 use rpi_syntax::ast::{self, Ident, PrimitiveDecl};
 
-/// Arguments of a primitive call, by port and parameter.
+/// Arguments of a call of a primitive, by index of the in-port and of the parameter; `None` where no argument is given.
 pub(crate) struct PrimArgs {
     pub(crate) inputs: Vec<Option<ExprId>>,
     pub(crate) params: Vec<Option<ExprId>>,
-    /// Reals that together replace an in-port: index of the port, index among its reals, value.
+    /// Constant reals that are given as parameters in place of one in-port, such as the coordinates of a pose: index of
+    /// the in-port, index of the real within the in-port, and value.
     pub(crate) components: Vec<(usize, usize, ExprId)>,
 }
 
-/// Port or parameter that an argument of a primitive call provides.
+/// Port or parameter of a primitive to which an argument belongs.
 enum PrimArgTarget {
-    /// In-port with this index.
+    /// The in-port with this index.
     Input(usize),
-    /// Parameter with this index.
+    /// The parameter with this index.
     Param(usize),
-    /// Component of an in-port that several reals replace: index of the port, index of the real.
+    /// Real that is given as a parameter in place of a part of an in-port: index of the in-port, and index of the real
+    /// within it.
     Component(usize, usize),
 }
 
-/// Checks a call of a primitive by its registered name.
+/// Checks a call of a primitive by the primitive's registered name, and returns its typed expression.
 pub(crate) fn check_prim_call<'a>(
     cx: &mut Body<'_, 'a>,
     prim: PrimId,
@@ -61,7 +63,7 @@ pub(crate) fn check_prim_call<'a>(
     prim_call_with(cx, prim, &given, span)
 }
 
-/// Checks a call of a primitive with checked arguments.
+/// Checks the application of a primitive to arguments that have been checked, and returns its typed expression.
 pub(crate) fn prim_call_with<'a>(
     cx: &mut Body<'_, 'a>,
     prim: PrimId,
@@ -76,7 +78,8 @@ pub(crate) fn prim_call_with<'a>(
     finish_prim(cx, prim, slots, span)
 }
 
-/// Checks a call of a primitive whose in-ports are given by position.
+/// Checks the application of the primitive `name` to `inputs`, the values of its in-ports in their order, and returns
+/// its typed expression.
 pub(crate) fn prim_by_position<'a>(
     cx: &mut Body<'_, 'a>,
     name: &str,
@@ -93,7 +96,8 @@ pub(crate) fn prim_by_position<'a>(
     prim_call_with(cx, prim, &given, span)
 }
 
-/// Adds a primitive call whose operands are known to fit, with a known result type.
+/// Adds a call of a primitive whose operands are known to fit its in-ports, with the known result type `ty`, and
+/// returns it.
 pub(crate) fn add_prim(
     cx: &mut Body<'_, '_>,
     prim: PrimId,
@@ -113,7 +117,7 @@ pub(crate) fn add_prim(
     cx.add(TypedKind::Prim(Box::new(call)), ty, span)
 }
 
-/// Adds a call of a primitive without in-ports.
+/// Adds a call of a primitive without in-ports, with the known result type `ty`, and returns it.
 pub(crate) fn add_nullary_prim(cx: &mut Body<'_, '_>, prim: PrimId, ty: Ty, span: Span) -> ExprId {
     add_prim(cx, prim, &[], ty, span)
 }
@@ -253,7 +257,8 @@ fn finish_prim(cx: &mut Body<'_, '_>, prim: PrimId, mut slots: PrimArgs, span: S
     cx.add(TypedKind::Prim(Box::new(call)), ty, span)
 }
 
-/// Composes the reals that replace an in-port into one constant.
+/// Computes the constant value of each in-port for which constant reals are given as parameters. `None` after an error
+/// about a value that is not constant.
 fn compose_inputs(
     cx: &mut Body<'_, '_>,
     desc: &'static PrimDesc,
@@ -283,7 +288,8 @@ fn compose_inputs(
     Some(())
 }
 
-/// Checks the body of a declared primitive: the registered primitive between typed ports.
+/// Checks the declaration of a typed primitive: its ports must fit those of the registered primitive with the same
+/// name. Adds a call of the registered primitive that connects these ports.
 pub(crate) fn check_primitive<'a>(cx: &mut Body<'_, 'a>, decl: &'a PrimitiveDecl) {
     if let Some(budget) = &decl.budget {
         cx.current_block().budget_ns = consts::const_nanoseconds(cx, budget);
@@ -353,7 +359,7 @@ fn define_outputs(cx: &mut Body<'_, '_>, value: ExprId, desc: &'static PrimDesc)
     }
 }
 
-/// Target of an equation that defines all leaves of a flow.
+/// Returns the target of an equation that defines the whole flow.
 fn whole_flow(flow: FlowId, ty: Ty, span: Span) -> Target {
     Target {
         place: TargetPlace::Flow { flow, at: 0 },
@@ -362,7 +368,8 @@ fn whole_flow(flow: FlowId, ty: Ty, span: Span) -> Target {
     }
 }
 
-/// Returns the port or parameter that a name refers to: an in-port, the parameter that replaces one, or a parameter.
+/// Returns the in-port or parameter of a primitive to which a name refers; `None` if there is none. The name of a
+/// parameter that can replace an in-port refers to that in-port.
 fn prim_arg_target(desc: &PrimDesc, name: &str) -> Option<PrimArgTarget> {
     let input = desc.input(name).or_else(|| desc.in_port_of_param(name));
     if let Some(k) = input {
@@ -403,8 +410,5 @@ fn unknown_port(desc: &PrimDesc, name: &Ident) -> Diagnostic {
         name.span,
         near,
     )
-    .help(format!(
-        "its ports and parameters are {}",
-        join_names(names)
-    ))
+    .help(members_help("port or parameter", names))
 }

@@ -12,7 +12,8 @@ use crate::typed::ExprId;
 use rpi_diag::{Code, Diagnostic, Span};
 use rpi_image::{ParamType, PortType, PrimDesc, Scalar, ShapeArgs, Type, Value};
 
-/// Whether a value has the machine type of a port; reports a mismatch. Units and frames are not compared.
+/// Whether a value has the machine type of the primitive's port `name`. Reports a mismatch. Units and frames are not
+/// compared.
 pub(crate) fn fits_port(cx: &mut Body<'_, '_>, value: ExprId, port: PortType, name: &str) -> bool {
     // Ports take times in seconds.
     exact_time::convert_to_seconds(cx, value);
@@ -62,7 +63,8 @@ pub(crate) fn fits_param(
     fits_port(cx, value, port, name)
 }
 
-/// Returns the type of a primitive's only out-port, or a tuple of all out-ports by name.
+/// Returns the result type of a call of a primitive: the type of its only out-port, or a tuple with the names and types
+/// of all out-ports. `slots` are the arguments, on which array sizes depend.
 pub(crate) fn prim_type(
     cx: &mut Body<'_, '_>,
     desc: &'static PrimDesc,

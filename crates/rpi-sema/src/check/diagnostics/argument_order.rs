@@ -5,7 +5,7 @@ use crate::check::calls::args::CallArgument;
 use crate::check::calls::args::signature_text;
 use crate::check::calls::args::without_statics;
 use crate::check::diagnostics::report;
-use crate::check::diagnostics::report::join_names;
+use crate::check::diagnostics::report::{join_names, members_help};
 use crate::check::signatures::header::Header;
 use crate::check::signatures::static_args;
 use crate::ty::Substitution;
@@ -16,10 +16,10 @@ use rpi_diag::{Code, Diagnostic, Fix, Span};
 use rpi_syntax::Name;
 use rpi_syntax::ast::Ident;
 
-/// Maximum number of mismatched arguments for which other orders are tried.
+/// Maximum number of mismatched arguments for which another order is tried.
 const MAX_REORDERED: usize = 5;
 
-/// Whether arguments match their ports only in another order; reports it if so.
+/// Whether at least two arguments do not match their ports but would match in another order. The error is reported.
 pub(crate) fn report_wrong_order(
     cx: &mut Body<'_, '_>,
     header: &Header,
@@ -46,8 +46,8 @@ pub(crate) fn report_wrong_order(
     true
 }
 
-/// Returns, for each port in `misfits`, the argument of another port that matches its type; `None` if there is no such
-/// order.
+/// Returns an order of the mismatched arguments in which each matches its port; `None` if no such order is found.
+/// `misfits` are the indices of the mismatched ports. The result has one argument for each of them.
 fn matching_order(
     cx: &Body<'_, '_>,
     header: &Header,
@@ -105,7 +105,8 @@ fn wrong_order(
     }
 }
 
-/// Returns the fix that reorders the arguments, if all of them are plain names.
+/// Returns the fix that reorders the arguments; `None` unless all of them are plain names. `misfits` are the indices of
+/// the mismatched ports, and `order` has the argument for each.
 fn reorder_fix(
     cx: &Body<'_, '_>,
     args: &[Option<ExprId>],
@@ -121,7 +122,7 @@ fn reorder_fix(
     Some(fix)
 }
 
-/// Returns the name of a flow if the expression is only that name.
+/// Returns the name of the flow that an expression reads; `None` if the expression is more than a name.
 fn plain_flow_name(cx: &Body<'_, '_>, id: ExprId) -> Option<String> {
     let TypedKind::Flow(flow) = &cx.unit.expr(id).kind else {
         return None;
@@ -131,7 +132,8 @@ fn plain_flow_name(cx: &Body<'_, '_>, id: ExprId) -> Option<String> {
     ((span.end - span.start) as usize == name.len()).then_some(name)
 }
 
-/// Returns the diagnostic for a named argument that matches no port or parameter.
+/// Returns the diagnostic for a named argument that matches no port or parameter. `of` is the callee, `names` are its
+/// ports and parameters, and `given` are all arguments of the call.
 pub(crate) fn unknown_arg(
     of: &Name,
     declared: Span,
@@ -146,8 +148,7 @@ pub(crate) fn unknown_arg(
     };
     let open = names.iter().filter(|other| !is_given(other));
     let near = rpi_diag::suggest(&name.name, open.map(|name| name.as_str()));
-    let names = join_names(names.iter().map(|name| name.as_str()));
-    let label = format!("its ports and parameters are {names}");
+    let label = members_help("port or parameter", names.iter().map(|name| name.as_str()));
     let is_static = given
         .iter()
         .any(|arg| arg.is_static && arg.name.is_some_and(|given| given.span == name.span));

@@ -9,11 +9,12 @@
 use crate::facts::literal;
 use crate::typed::{ElementwiseOp, PrimCall, TypedKind};
 use crate::typed::{Equation, ExprId, FlowId, Leaf, TargetPlace, Unit};
-use rpi_diag::{Code, Diagnostic, Span};
+use rpi_diag::{Code, Diagnostic, Quote, Span};
 use rpi_net::prim;
 use rpi_prims::PrimId;
 
-/// A division: its primitive, its operator, and an example of its result here and in Kind 2.
+/// Integer division: its primitive, its operator, and an example with a negative dividend with its result in this
+/// language and in Kind 2.
 type Division = (PrimId, &'static str, &'static str, &'static str);
 
 const DIVISIONS: &[Division] = &[
@@ -21,7 +22,8 @@ const DIVISIONS: &[Division] = &[
     (prim!("Rpi::IntModulo"), "mod", "-7 mod 2 is -1", "1"),
 ];
 
-/// Operators whose result is not negative if their first operands, as many as given here, are not negative.
+/// Integer operators whose result is not negative if some of their operands are not negative: the primitive, and how
+/// many of its first operands this condition concerns.
 const SIGN_PRESERVING: &[(PrimId, usize)] = &[
     (prim!("Core::IntAdd"), 2),
     (prim!("Core::IntMultiply"), 2),
@@ -29,10 +31,11 @@ const SIGN_PRESERVING: &[(PrimId, usize)] = &[
     (prim!("Rpi::IntModulo"), 1),
 ];
 
-/// Comparisons that, if true, bound the first operand from below by the second: `>` and `>=`.
+/// Comparisons `a > b` and `a >= b`, from which follows that `a` is at least `b`.
 const LOWER_BOUND_TESTS: &[PrimId] = &[prim!("Core::IntGreater"), prim!("Rpi::IntGreaterOrEqual")];
 
-/// Returns the diagnostic for the first place whose result depends on the compiler.
+/// Returns a warning for the first integer division in Lustre whose dividend may be negative, because the result then
+/// differs between Lustre compilers; `None` if there is no such division.
 pub(crate) fn check(units: &[Unit]) -> Option<Diagnostic> {
     let units = units.iter().filter(|unit| unit.is_lustre);
     let first = units
@@ -46,10 +49,14 @@ fn dialect_warning(at: Span, (_, word, here, elsewhere): &Division) -> Diagnosti
     Diagnostic::new(Code::RPI2015, message)
         .primary(at, "this may be negative")
         .note(format!("here, in Lustre V6 and in C {here}; in Kind 2 it is {elsewhere}"))
-        .help("make sure that it is not negative (`if x < 0 then 0 else x`), or use only one of these compilers")
+        .help(format!(
+            "if a negative value is impossible, limit it: `if {0} < 0 then 0 else {0}`; else use only one of these compilers",
+            Quote::text(at)
+        ))
 }
 
-/// Returns the first dividend of a unit that may be negative, with its division.
+/// Returns the location of the first dividend in a unit that may be negative, and its division; `None` if there is
+/// none.
 fn first_negative_dividend(unit: &Unit) -> Option<(Span, &'static Division)> {
     let mut search = NegativeSearch::new(unit);
     unit.exprs.iter().find_map(|expr| {
@@ -63,7 +70,7 @@ fn first_negative_dividend(unit: &Unit) -> Option<(Span, &'static Division)> {
     })
 }
 
-/// Returns the operands of a binary primitive.
+/// Returns the two operands of a call of a binary primitive; `None` for other primitives.
 fn operands(call: &PrimCall) -> Option<(ExprId, ExprId)> {
     match call.inputs[..] {
         [Some(first), Some(second)] => Some((first, second)),
@@ -71,11 +78,11 @@ fn operands(call: &PrimCall) -> Option<(ExprId, ExprId)> {
     }
 }
 
-/// Backward search for values that may be negative, starting at dividends. An expression that has been visited without
-/// success is not visited again.
+/// Search for dividends that may be negative, backwards from each dividend to the values on which it depends. An
+/// expression that has been visited without success is not visited again.
 struct NegativeSearch<'u> {
     unit: &'u Unit,
-    /// Defining expressions of each flow; computed on first use.
+    /// For each flow, the expressions that define it; `None` until they are computed on first use.
     sources: Option<Vec<Vec<ExprId>>>,
     visited: Vec<bool>,
 }
@@ -89,7 +96,7 @@ impl<'u> NegativeSearch<'u> {
         }
     }
 
-    /// Whether the search finds a value that may be negative.
+    /// Whether a dividend, or a value on which its sign depends, may be negative.
     fn may_be_negative(&mut self, dividend: ExprId) -> bool {
         let mut open = vec![dividend];
         while let Some(id) = open.pop() {
@@ -104,8 +111,8 @@ impl<'u> NegativeSearch<'u> {
         false
     }
 
-    /// Returns expressions such that this expression is not negative if none of them is; `None` if it may be negative
-    /// regardless.
+    /// Returns other expressions such that expression `id` is not negative if none of them is negative. `None` if `id`
+    /// may be negative even then.
     fn sign_dependencies(&mut self, id: ExprId) -> Option<Vec<ExprId>> {
         match &self.unit.expr(id).kind {
             TypedKind::Error => Some(Vec::new()),
@@ -127,7 +134,7 @@ impl<'u> NegativeSearch<'u> {
         }
     }
 
-    /// Returns the defining expressions of a flow; `None` if it has none, such as an in-port.
+    /// Returns the expressions that define a flow; `None` if no equation defines the flow, as for an in-port.
     fn sources(&mut self, flow: FlowId) -> Option<Vec<ExprId>> {
         let unit = self.unit;
         let sources = self.sources.get_or_insert_with(|| add_sources(unit));
@@ -135,7 +142,8 @@ impl<'u> NegativeSearch<'u> {
         (!of_flow.is_empty()).then(|| of_flow.clone())
     }
 
-    /// Returns the branches of an `if`, except those that its condition proves not negative.
+    /// Returns the branches of an `if` that the condition of the `if` does not prove to be non-negative. `operands` are
+    /// the condition and the two branches.
     fn unproven_branches(&self, operands: &[ExprId]) -> Option<Vec<ExprId>> {
         let [condition, yes, no] = *operands else {
             return None;
@@ -145,8 +153,8 @@ impl<'u> NegativeSearch<'u> {
         Some(open.map(|(way, _)| way).collect())
     }
 
-    /// Whether the branch `way` is not negative because the condition holds (`holds`) or fails: `x` where `x >= 0`,
-    /// `-x` where `x < 0`.
+    /// Whether the condition of an `if` proves that its branch `way` is not negative, as in `if x >= 0 then x else -x`.
+    /// `holds` is whether the branch is taken for a true condition.
     fn is_proven_nonnegative(&self, condition: ExprId, holds: bool, way: ExprId) -> bool {
         let TypedKind::Prim(test) = &self.unit.expr(condition).kind else {
             return false;
@@ -173,7 +181,7 @@ impl<'u> NegativeSearch<'u> {
         }
     }
 
-    /// Returns the operand of a negation.
+    /// Returns the operand of an expression that is a negation; `None` for other expressions.
     fn negated(&self, id: ExprId) -> Option<ExprId> {
         match &self.unit.expr(id).kind {
             TypedKind::Prim(call) if call.prim == prim!("Rpi::IntNegate") => {
@@ -183,7 +191,7 @@ impl<'u> NegativeSearch<'u> {
         }
     }
 
-    /// Returns the value of an integer constant.
+    /// Returns the value of an expression that is an integer constant; `None` for other expressions.
     fn constant(&self, id: ExprId) -> Option<i64> {
         match &self.unit.expr(id).kind {
             TypedKind::Literal(leaf) => leaf.as_int(),
@@ -201,7 +209,7 @@ impl<'u> NegativeSearch<'u> {
     }
 }
 
-/// Returns the defining expressions of each flow.
+/// Returns the expressions that define each flow of a unit, indexed by flow.
 fn add_sources(unit: &Unit) -> Vec<Vec<ExprId>> {
     let mut sources = vec![Vec::new(); unit.flows.len()];
     for equation in unit.blocks.iter().flat_map(|block| &block.equations) {
@@ -214,7 +222,8 @@ fn add_sources(unit: &Unit) -> Vec<Vec<ExprId>> {
     sources
 }
 
-/// Returns the value of target `k` of an equation: its part of a tuple, or else the whole value.
+/// Returns the value of the target with index `k` of an equation: an element of the value if this is written as a
+/// tuple, else the whole value.
 fn target_value(unit: &Unit, equation: &Equation, k: usize) -> ExprId {
     match &unit.expr(equation.value).kind {
         TypedKind::Build(parts) if parts.len() == equation.targets.len() => parts[k],

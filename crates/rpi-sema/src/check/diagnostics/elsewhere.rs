@@ -6,11 +6,11 @@ use crate::check::diagnostics::foreign;
 use crate::check::diagnostics::suggest_callee;
 use crate::ty::Ty;
 use crate::units::Dimension;
-use rpi_diag::{Code, Fix, Span};
+use rpi_diag::{Code, Fix, Quote, Span};
 use rpi_syntax::ast;
 
-/// Adds the equivalent in RPI to the diagnostic about an undefined callee such as `len(a)`. `given` are its
-/// arguments.
+/// Adds the equivalent in RPI to the diagnostic about an undefined callee such as `len(a)`. `given` are the checked
+/// arguments of the call.
 pub(crate) fn suggest_for_foreign_call<'a>(
     cx: &mut Body<'_, 'a>,
     call: &'a ast::Call,
@@ -31,8 +31,8 @@ pub(crate) fn suggest_for_foreign_call<'a>(
     }
 }
 
-/// Checks the arguments of a call whose callee has no meaning. Undefined names in a call of a function of another language
-/// are of that language as well, so that they are not reported.
+/// Checks the arguments of a call whose callee is undefined. The callee may be a function of another language, and
+/// undefined names in its arguments are then of that language as well, so that they are not reported.
 pub(crate) fn check_foreign_args<'a>(
     cx: &mut Body<'_, 'a>,
     call: &'a ast::Call,
@@ -47,13 +47,17 @@ pub(crate) fn check_foreign_args<'a>(
     arguments
 }
 
-/// Returns the help text for a foreign call, and a fix where it is certain enough.
+/// Returns the help text for a call of a function of another language, and a fix where the intended meaning is certain
+/// enough. `name` is in lower case, and `ty` is the type of the first argument. `None` if there is no advice.
 fn foreign_call_help(name: &str, call: &ast::Call, ty: &Ty) -> Option<(String, Option<Fix>)> {
     let place = call.callee.name.span;
     match name {
         "prev" | "previous" | "old" => {
-            let help = "the value of the previous cycle is `first -> pre x`; `first` is the value in the first cycle";
-            Some((help.to_owned(), previous_value_fix(call, ty)))
+            let help = format!(
+                "the value of the previous cycle is `... -> pre {}`, with the value of the first cycle before `->`",
+                first_argument(call)
+            );
+            Some((help, previous_value_fix(call, ty)))
         }
         "len" | "length" | "numel" | "sizeof" => Some((size_help(call, ty), None)),
         "sum" | "prod" | "all" | "reduce" | "foldl" | "accumulate" => {
@@ -62,28 +66,45 @@ fn foreign_call_help(name: &str, call: &ast::Call, ty: &Ty) -> Option<(String, O
         _ if conversion_target(name).is_some() => {
             let word = conversion_target(name)?;
             let fix = Fix::maybe(format!("write `{word}`")).replace(place, format!("{word} "));
-            let help = format!("a conversion is an operator before its operand: `{word} x`");
+            let help = format!(
+                "a conversion is an operator before its operand: `{word} {}`",
+                first_argument(call)
+            );
             Some((help, (call.args.len() == 1).then_some(fix)))
         }
         "delay" => {
-            let help = "delay by one cycle: `first -> pre x`; test whether `c` held for 1 s: `on_delay<<delay: 1.0[s]>>(c)`";
-            Some((help.to_owned(), None))
+            let help = format!(
+                "delay by one cycle: `... -> pre {}`; {ON_DELAY_HELP}",
+                first_argument(call)
+            );
+            Some((help, None))
         }
         "wait" | "sleep" | "usleep" | "pause" | "waittime" | "waituntil" | "wait_sec" | "dwell" => {
-            let help = "a cycle cannot wait; test whether `c` held for 1 s: `on_delay<<delay: 1.0[s]>>(c)`";
-            Some((help.to_owned(), None))
+            Some((format!("a cycle cannot wait; {ON_DELAY_HELP}"), None))
         }
         "print" | "printf" | "println" | "puts" | "echo" | "fprintf" | "disp" | "display"
         | "log" | "write" | "writeln" | "tpwrite" | "msg" | "cout" | "debug" => {
-            let help = "a node cannot print; its out-ports are visible in a run, and a command can export flows: `export x;`";
+            let help = "a node cannot print; its out-ports are visible in a run, and a command can export flows: `export ...;`";
             Some((help.to_owned(), None))
         }
-        _ => crate::check::diagnostics::foreign_idioms::call_help(name)
-            .map(|help| (help.to_owned(), None)),
+        _ => crate::check::diagnostics::foreign_idioms::call_help(name, &call.args)
+            .map(|help| (help, None)),
     }
 }
 
-/// Returns the advice for a call that would return the size of an array. `ty` is the type of its argument.
+/// Help text about testing whether a condition held for some time.
+const ON_DELAY_HELP: &str = "to test whether a condition held for 1 s, `use timers;` and write `on_delay<<delay: 1.0[s]>>(...)`";
+
+/// Returns the source text of a call's first argument for use as an operand; `...` if there is no argument.
+fn first_argument(call: &ast::Call) -> String {
+    let first = call.args.first();
+    first.map_or("...".to_owned(), |arg| {
+        Quote::operand(arg.value.span).to_string()
+    })
+}
+
+/// Returns the help text for a call such as `len(a)`, which asks for the size of an array. `ty` is the type of its
+/// argument.
 fn size_help(call: &ast::Call, ty: &Ty) -> String {
     let name = argument_name(call);
     match ty {
@@ -100,7 +121,8 @@ fn size_help(call: &ast::Call, ty: &Ty) -> String {
     }
 }
 
-/// Returns the fix that replaces `prev(x)` by `(0 -> pre x)`, with a first value of the type of `x`.
+/// Returns the fix that replaces `prev(x)` by `(0 -> pre x)`, where the first value has the type of `x`. `None` if
+/// `ty`, the type of `x`, has no obvious first value.
 fn previous_value_fix(call: &ast::Call, ty: &Ty) -> Option<Fix> {
     let first = match ty {
         Ty::Bool => "false".to_owned(),
@@ -120,7 +142,7 @@ fn previous_value_fix(call: &ast::Call, ty: &Ty) -> Option<Fix> {
     })
 }
 
-/// Returns the name of the flow that a call has as its first argument, else `a`.
+/// Returns the name of the flow that is the first argument of a call; `a` if the first argument is not a name.
 fn argument_name(call: &ast::Call) -> &str {
     match call.args.first().map(|arg| &arg.value.kind) {
         Some(ast::ExprKind::Name(name)) => name.as_str(),
@@ -128,7 +150,8 @@ fn argument_name(call: &ast::Call) -> &str {
     }
 }
 
-/// Returns the type to which a function of another language converts: `float`, `INT_TO_REAL`, `toInt`.
+/// Returns the type, `real` or `int`, to which a function of another language such as `float`, `int_to_real` or `toint`
+/// converts. `name` is in lower case. `None` if the function is no conversion.
 fn conversion_target(name: &str) -> Option<&'static str> {
     let target = match name.rsplit_once("_to_").or_else(|| name.rsplit_once("to")) {
         Some((from, target)) if from.is_empty() || foreign::type_equivalent(from).is_some() => {
@@ -144,7 +167,8 @@ fn conversion_target(name: &str) -> Option<&'static str> {
     known("real").or_else(|| known("int"))
 }
 
-/// Returns the help text and fix that replace `sum(a)` and the like by `red`.
+/// Returns the help text, and a fix if possible, for replacing a reduction such as `sum(a)` by `red`. `name` is the
+/// function, and `ty` is the type of its argument.
 fn reduction_help(name: &str, call: &ast::Call, ty: &Ty) -> (String, Option<Fix>) {
     let (op, with) = match name {
         "prod" => ("*", "1"),

@@ -1,9 +1,9 @@
 //! Names of types, values and functions in other languages, with their equivalents in RPI, for suggestions.
 
-/// Name in another language and its equivalent in this one.
+/// Name in another programming language, and its equivalent in RPI.
 type Equivalent = (&'static str, &'static str);
 
-/// Type names of other languages, in lower case, with their equivalents.
+/// Type names of other programming languages, in lower case, each with its equivalent in RPI.
 const TYPES: &[Equivalent] = &[
     ("float", "real"),
     ("float32", "real"),
@@ -93,7 +93,7 @@ const TYPES: &[Equivalent] = &[
     ("duration", "real[s]"),
 ];
 
-/// Names of values in other languages, in lower case, with their equivalents.
+/// Names of values in other programming languages, in lower case, each with its equivalent in RPI.
 const VALUES: &[Equivalent] = &[
     ("true", "true"),
     ("false", "false"),
@@ -114,7 +114,7 @@ const VALUES: &[Equivalent] = &[
     ("math_pi", "pi"),
 ];
 
-/// Function names of other languages, in lower case, with their equivalents.
+/// Function names of other programming languages, in lower case, each with its equivalent in RPI.
 const FUNCTIONS: &[Equivalent] = &[
     ("fabs", "abs"),
     ("abs", "abs"),
@@ -157,7 +157,8 @@ const FUNCTIONS: &[Equivalent] = &[
     ("ctd", "count_down"),
 ];
 
-/// Equivalents that cannot simply replace the foreign name: they take other arguments or have another meaning.
+/// Equivalents in RPI that cannot simply replace the name of the other language, because they take other arguments or
+/// have another meaning.
 const INEXACT: &[&str] = &[
     "none",
     "on_delay",
@@ -172,18 +173,36 @@ const INEXACT: &[&str] = &[
     "dt",
 ];
 
-/// Whether a foreign value name is so common that a similar declared name is the better suggestion.
+/// Calls of functions whose arguments differ from those in other languages.
+const USAGES: &[Equivalent] = &[
+    ("on_delay", "on_delay(x, 500[ms])"),
+    ("off_delay", "off_delay(x, 500[ms])"),
+    ("pulse", "pulse(x, 500[ms])"),
+    ("count_up", "count_up(x, reset)"),
+    ("count_down", "count_down(x, reset, 10)"),
+    ("clamp", "clamp(x, low, high)"),
+];
+
+/// Returns an example of a call, if the arguments of the function differ from those in other languages.
+pub(crate) fn usage(function: &str) -> Option<&'static str> {
+    let found = USAGES.iter().find(|(name, _)| *name == function);
+    found.map(|(_, usage)| *usage)
+}
+
+/// Whether the name of a value in another language is so common a word that a similar declared name is the better
+/// suggestion.
 pub(crate) fn is_common_word(name: &str) -> bool {
     const LOOSE: [&str; 6] = ["on", "off", "yes", "now", "absent", "cycle_time"];
     LOOSE.contains(&&*name.to_lowercase())
 }
 
-/// Whether the foreign name `there` can be replaced by `here` without other changes.
+/// Whether the name `there` of another language can be replaced by the RPI name `here` without other changes.
 pub(crate) fn is_exact_equivalent(there: &str, here: &str) -> bool {
     !INEXACT.contains(&here) || there.eq_ignore_ascii_case(here)
 }
 
-/// Returns the help text for a name that is an object or a module in other languages.
+/// Returns the help text for a name such as `self` or `math`, which is an object or a module in other languages; `None`
+/// for other names.
 pub(crate) fn foreign_value_help(name: &str) -> Option<&'static str> {
     match &*name.to_lowercase() {
         "self" | "this" | "me" => Some("flows and ports are named without a prefix: `x`"),
@@ -194,7 +213,8 @@ pub(crate) fn foreign_value_help(name: &str) -> Option<&'static str> {
     }
 }
 
-/// Returns the help text for foreign types without an equivalent: texts, lists, and void.
+/// Returns the help text for a type of another language without an equivalent, such as a text, a list or void; `None`
+/// for other names.
 pub(crate) fn foreign_type_help(name: &str) -> Option<&'static str> {
     let lower = name.to_lowercase();
     let found = UNSUPPORTED_TYPES
@@ -203,7 +223,8 @@ pub(crate) fn foreign_type_help(name: &str) -> Option<&'static str> {
     found.map(|(_, help)| *help)
 }
 
-/// Foreign types without an equivalent, in lower case, with help texts.
+/// Type names of other programming languages that have no equivalent in RPI, in lower case, each group with a help
+/// text.
 const UNSUPPORTED_TYPES: &[(&[&str], &str)] = &[
     (
         &["string", "str", "text", "wstring"],
@@ -235,22 +256,26 @@ const UNSUPPORTED_TYPES: &[(&[&str], &str)] = &[
     ),
 ];
 
-/// Returns the equivalent of a type of another language; `None` if the tables have none.
+/// Returns the RPI type that corresponds to a type name of another programming language; `None` if there is no other
+/// name to suggest.
 pub(crate) fn type_equivalent(name: &str) -> Option<&'static str> {
     lookup(TYPES, name)
 }
 
-/// Returns the equivalent of a value of another language; `None` if the tables have none.
+/// Returns the RPI name of a value, such as `true`, for its name in another programming language; `None` if there is no
+/// other name to suggest.
 pub(crate) fn value_equivalent(name: &str) -> Option<&'static str> {
     lookup(VALUES, name)
 }
 
-/// Returns the equivalent of a function of another language; `None` if the tables have none.
+/// Returns the RPI function that corresponds to a function name of another programming language; `None` if there is no
+/// other name to suggest.
 pub(crate) fn function_equivalent(name: &str) -> Option<&'static str> {
     lookup(FUNCTIONS, name)
 }
 
-/// Looks up a name in a table, ignoring case. Returns `None` if the equivalent is the name itself.
+/// Looks up a name in a table, ignoring case, and returns its equivalent. Returns `None` if the table does not contain
+/// the name, or if the equivalent is the name itself.
 fn lookup(table: &[Equivalent], name: &str) -> Option<&'static str> {
     let lower = name.to_lowercase();
     let found = table

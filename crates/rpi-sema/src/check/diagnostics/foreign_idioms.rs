@@ -1,63 +1,73 @@
 //! Help texts for functions of other languages that are written in another form here.
 
-/// Function names of other languages, in lower case, with help texts that show the syntax of this one.
+use rpi_diag::Quote;
+use rpi_syntax::ast::Arg;
+
+/// Function names of other languages, in lower case, with help texts that show the syntax of RPI. `{x}`, `{y}` and
+/// `{z}` stand for the first three arguments of the call.
 const CALL_FORMS: &[(&[&str], &str)] = &[
     (
         &[
             "ifelse", "if_else", "iif", "iff", "ite", "select", "sel", "cond", "where", "choose",
             "mux", "switch",
         ],
-        "a choice is written `if c then x else y`; among several: `if c then x else if d then y else z`",
+        "a choice is written `if {x} then {y} else {z}`; among several: `if ... then ... else if ... then ... else ...`",
     ),
     (
         &["limit", "limiter"],
-        "`use control;` has `clamp(x, low, high)`",
+        "`use control;` has `clamp({x}, {y}, {z})`",
     ),
     (
         &["sqr", "square"],
-        "a square is written `x * x`, or `x ** 2.0`",
+        "a square is written `{x} * {x}`; the square root is `sqrt({x})`",
     ),
     (
         &["fmod", "rem", "remainder", "modulo"],
-        "the remainder is written `x mod y`",
+        "the remainder is written `{x} mod {y}`",
     ),
     (
         &["idiv", "floordiv", "quotient"],
-        "the integer quotient is written `x div y`",
+        "the integer quotient is written `{x} div {y}`",
     ),
     (
         &["and", "land", "logical_and"],
-        "conjunction is written `a and b`",
+        "conjunction is written `{x} and {y}`",
     ),
     (
         &["or", "lor", "logical_or"],
-        "disjunction is written `a or b`",
+        "disjunction is written `{x} or {y}`",
     ),
     (
         &["not", "lnot", "logical_not"],
-        "negation is written `not a`",
+        "negation is written `not {x}`",
     ),
-    (&["xor", "logical_xor"], "exclusive or is written `a xor b`"),
-    (&["eq", "equals", "isequal"], "equality is written `x = y`"),
-    (&["ne", "neq"], "inequality is written `x <> y`"),
-    (&["add", "plus"], "a sum is written `x + y`"),
-    (&["sub", "minus"], "a difference is written `x - y`"),
-    (&["mul", "times"], "a product is written `x * y`"),
+    (
+        &["xor", "logical_xor"],
+        "exclusive or is written `{x} xor {y}`",
+    ),
+    (
+        &["eq", "equals", "isequal"],
+        "equality is written `{x} = {y}`",
+    ),
+    (&["ne", "neq"], "inequality is written `{x} <> {y}`"),
+    (&["add", "plus"], "a sum is written `{x} + {y}`"),
+    (&["sub", "minus"], "a difference is written `{x} - {y}`"),
+    (&["mul", "times"], "a product is written `{x} * {y}`"),
     (
         &["div", "divide"],
-        "a quotient is written `x / y`, of integers `x div y`",
+        "a quotient is written `{x} / {y}`, of integers `{x} div {y}`",
     ),
     (
         &["bool", "boolean", "to_bool", "tobool"],
-        "a condition is a comparison: `x <> 0`",
+        "a condition is a comparison: `{x} <> 0`",
     ),
     (
         &["unitdelay", "unit_delay", "memory", "z"],
-        "a delay of one cycle is `0 fby x`, or `0 -> pre x`",
+        "a delay of one cycle is `... fby {x}`, or `... -> pre {x}`",
     ),
     (
         &["ic", "init", "initial", "initialize"],
-        "the initial value is written before `->`: `0 -> pre x`",
+        "the initial value is written before `->`: `... -> pre {x}`",
     ),
     (
         &["rand", "random", "randint", "rnd"],
@@ -79,9 +89,9 @@ const CALL_FORMS: &[(&[&str], &str)] = &[
     ),
     (
         &["append", "push", "push_back", "concat", "cat", "strcat"],
-        "arrays are joined by `|`: `a | [x]`",
+        "arrays are joined by `|`: `{x} | {y}`; an element is written `[...]`",
     ),
-    (&["isnan", "is_nan"], "test for NaN by `x <> x`"),
+    (&["isnan", "is_nan"], "test for NaN by `{x} <> {x}`"),
     (
         &["exit", "abort", "stop", "halt", "quit", "terminate"],
         "end a command by a result: `finish done when c;`, `fail broken when c;`",
@@ -95,7 +105,7 @@ const CALL_FORMS: &[(&[&str], &str)] = &[
             "ptp", "lin", "circ", "movej", "movel", "movec", "movep", "move", "moveto", "moveabsj",
             "move_to", "goto",
         ],
-        "use a motion fragment: `use motion;`, then `way = Line(arm, p);` and `arm.tcp = way.pose;`",
+        "use a motion fragment: `use motion;`, then `way = Line(arm, p);` and `arm.joints = way.joints;`",
     ),
     (
         &["moving_average", "movmean"],
@@ -103,17 +113,25 @@ const CALL_FORMS: &[(&[&str], &str)] = &[
     ),
     (
         &["push_front", "pop", "pop_back", "insert", "remove", "erase"],
-        "the size of an array is fixed: `(a with [i] = x)` changes an element",
+        "the size of an array is fixed: `({x} with [...] = ...)` changes an element",
     ),
 ];
 
-/// Returns the help text for a call of this function, if there is one; `name` is in lower case.
-pub(crate) fn call_help(name: &str) -> Option<&'static str> {
-    let found = CALL_FORMS.iter().find(|(names, _)| names.contains(&name));
-    found.map(|(_, help)| *help)
+/// Returns the help text for a call of a function of another language; `None` if there is none. `name` is in lower
+/// case, and `args` are quoted in the text.
+pub(crate) fn call_help(name: &str, args: &[Arg]) -> Option<String> {
+    let (_, help) = CALL_FORMS.iter().find(|(names, _)| names.contains(&name))?;
+    let mut text = (*help).to_owned();
+    for (k, place) in ["{x}", "{y}", "{z}"].into_iter().enumerate() {
+        let arg = args.get(k).map(|arg| Quote::operand(arg.value.span));
+        let written = arg.map_or("...".to_owned(), |quote| quote.to_string());
+        text = text.replace(place, &written);
+    }
+    Some(text)
 }
 
-/// Returns the help text for a task step that is a function in other languages; `name` is as written in the program.
+/// Returns the help text for a task step whose name is a function in other languages, such as a wait; `None` if there
+/// is none. `name` is as written in the program.
 pub(crate) fn step_help(name: &str) -> Option<&'static str> {
     let name = name.to_lowercase();
     let starts = |words: &[&str]| words.iter().any(|word| name.starts_with(word));

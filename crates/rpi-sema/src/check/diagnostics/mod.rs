@@ -5,6 +5,7 @@ pub(crate) mod dialect;
 pub(crate) mod elsewhere;
 pub(crate) mod foreign;
 pub(crate) mod foreign_idioms;
+pub(crate) mod number_fixes;
 pub(crate) mod precedence_hints;
 pub(crate) mod report;
 pub(crate) mod reported;

@@ -9,14 +9,14 @@ use crate::program::Lookup;
 use crate::ty::Ty;
 use crate::typed::ExprId;
 use crate::units::is_unit;
-use rpi_diag::{Code, Diagnostic, Fix, Span};
+use rpi_diag::{Code, Diagnostic, Fix, Quote, Span};
 use rpi_net::prim;
 use rpi_syntax::Name;
 use rpi_syntax::ast::{Binary, Expr, ExprKind};
 use rpi_syntax::ops::{BinaryOp, UnaryOp};
 
-/// Handles operands for which another operator was clearly meant; returns the result of that operator if there is
-/// one.
+/// Improves the error about the operands of a binary operator where another operator or parentheses were clearly meant.
+/// Returns the result of the operator that was meant; `None` if the error stands.
 pub(crate) fn reinterpret_operator(
     cx: &mut Body<'_, '_>,
     binary: &Binary,
@@ -27,7 +27,8 @@ pub(crate) fn reinterpret_operator(
     bitwise_on_booleans(cx, binary, operands, span)
 }
 
-/// Whether `x[m]` is probably meant to give a number a unit. Only literals and types have units.
+/// Whether the index in `x[m]` is probably meant as a unit, because `x` is a number. Only literals and types can have a
+/// unit in brackets.
 pub(crate) fn is_unit_index(cx: &Body<'_, '_>, base: ExprId, index: &Expr) -> bool {
     unit::reads_rpi_syntax(cx)
         && matches!(cx.ty_of(base), Ty::Int | Ty::Real(_))
@@ -49,7 +50,8 @@ fn is_unit_expr(cx: &Body<'_, '_>, expr: &Expr) -> bool {
     }
 }
 
-/// Reports `x[m]`, a unit after an expression that is not a literal.
+/// Reports `x[m]`, a unit after an expression that is not a literal, and returns an expression without a value. `base`
+/// is `x` and `unit` is `m`.
 pub(crate) fn unit_after_flow(
     cx: &mut Body<'_, '_>,
     base: ExprId,
@@ -57,10 +59,13 @@ pub(crate) fn unit_after_flow(
     span: Span,
 ) -> ExprId {
     let ty = cx.ty_of(base).clone();
+    let (value, unit_text) = (Quote::operand(cx.span_of(base)), Quote::text(unit.span));
     let message = "a unit must follow a number literal or be part of a type";
     let help = match ty {
-        Ty::Int => "convert it and multiply by one unit: `real x * 1[m]`",
-        _ => "declare the flow with its unit, `x: real[m]`, or multiply by one unit: `x * 1[m]`",
+        Ty::Int => format!("convert it and multiply by one unit: `real {value} * 1[{unit_text}]`"),
+        _ => format!(
+            "declare it with its unit, `real[{unit_text}]`, or multiply by one unit: `{value} * 1[{unit_text}]`"
+        ),
     };
     let diagnostic = Diagnostic::new(Code::RPI2006, message)
         .primary(unit.span, "not an index")
@@ -68,8 +73,8 @@ pub(crate) fn unit_after_flow(
     cx.report_error_expr(diagnostic.help(help), span)
 }
 
-/// Reports `a && b` between Booleans in Lustre, where the operator is bitwise; returns the logical operation
-/// instead.
+/// Reports `a && b` between Booleans in Lustre, where `&&` is bitwise. Returns the logical operation in its place;
+/// `None` if the operator or an operand is of another kind.
 fn bitwise_on_booleans(
     cx: &mut Body<'_, '_>,
     binary: &Binary,
@@ -96,7 +101,7 @@ fn bitwise_on_booleans(
     Some(ops::logical_prim(cx, prim, &operands, span))
 }
 
-/// Reports `!a` of a Boolean in Lustre, where the operator is bitwise; returns the logical negation instead.
+/// Reports `!a` of a Boolean in Lustre, where `!` is bitwise. Returns the logical negation in its place.
 pub(crate) fn bitwise_not_on_boolean(cx: &mut Body<'_, '_>, operand: ExprId, span: Span) -> ExprId {
     let sign = Span {
         end: span.start + 1,
@@ -107,7 +112,8 @@ pub(crate) fn bitwise_not_on_boolean(cx: &mut Body<'_, '_>, operand: ExprId, spa
     ops::logical_prim(cx, prim!("Core::BooleanNot"), &[operand], span)
 }
 
-/// Adds a fix to the error of `not i = j`, where `not` binds tighter than the comparison.
+/// Adds a fix to the reported error about `not i = j`, where `not` binds tighter than the comparison `=`. Other
+/// comparisons are treated in the same way.
 fn hint_negated_comparison(cx: &mut Body<'_, '_>, binary: &Binary) {
     use BinaryOp::{Eq, Ge, Gt, Le, Lt, Ne};
     let ExprKind::Unary(UnaryOp::Not, operand) = &binary.lhs.kind else {
@@ -123,15 +129,20 @@ fn hint_negated_comparison(cx: &mut Body<'_, '_>, binary: &Binary) {
         let fix = Fix::maybe("negate the comparison")
             .insert_before(place, "(")
             .insert_after(binary.rhs.span, ")");
-        *error = error
-            .clone()
-            .help("`not` binds tighter than comparisons: write `not (a = b)`")
-            .fix(fix);
+        // The advice to compare the operand with 0 would be for another expression.
+        error.help = vec![format!(
+            "`not` binds tighter than comparisons: write `not ({} {} {})`",
+            Quote::operand(place),
+            binary.op.spelling(),
+            Quote::operand(binary.rhs.span)
+        )];
+        error.fixes.push(fix);
     }
 }
 
-/// Returns the diagnostic for a bitwise operator between Booleans.
+/// Returns the diagnostic for the bitwise operator `sign` between Booleans. `word` is the logical operator that was
+/// meant.
 fn bitwise_operator(sign: &str, word: &str, span: Span) -> Diagnostic {
-    let message = format!("expected `{word}` between Booleans, found `{sign}`");
-    Diagnostic::new(Code::RPI2006, message).primary(span, "bitwise operator of machine integers")
+    let message = format!("`{sign}` works on the bits of machine integers, not on Booleans");
+    Diagnostic::new(Code::RPI2006, message).primary(span, format!("expected `{word}`"))
 }

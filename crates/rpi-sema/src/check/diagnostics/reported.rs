@@ -2,7 +2,8 @@
 
 use std::collections::BTreeMap;
 
-/// Errors that have been reported, by key, each with the index of its diagnostic.
+/// Errors of one kind that have been reported, by key, each with the index of its diagnostic. The key is, for example,
+/// an undefined name.
 pub(crate) struct ReportedErrors<K> {
     indices: BTreeMap<K, usize>,
     /// Keys in the order of the diagnostics. The keys of a discarded trial check are removed again.
@@ -19,12 +20,13 @@ impl<K> Default for ReportedErrors<K> {
 }
 
 impl<K: Ord + Clone> ReportedErrors<K> {
-    /// Returns the index of the diagnostic for a key.
+    /// Returns the index of the diagnostic for a key; `None` if no error has been reported for the key.
     pub(crate) fn index(&self, what: &K) -> Option<usize> {
         self.indices.get(what).copied()
     }
 
-    /// Records the index of the diagnostic for a key; returns whether the key is new.
+    /// Records `place` as the index of the diagnostic for the key `what`, unless the key is already recorded. Returns
+    /// whether the key is new.
     pub(crate) fn record(&mut self, what: &K, place: usize) -> bool {
         if self.indices.contains_key(what) {
             return false;
@@ -34,7 +36,8 @@ impl<K: Ord + Clone> ReportedErrors<K> {
         true
     }
 
-    /// Removes all keys whose diagnostics have this index or a higher one.
+    /// Removes all keys whose diagnostics have the index `place` or a higher one, because these diagnostics have been
+    /// discarded.
     pub(crate) fn truncate(&mut self, place: usize) {
         while let Some(last) = self.keys.last() {
             if self.index(last).is_some_and(|index| index < place) {

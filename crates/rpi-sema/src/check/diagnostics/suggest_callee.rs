@@ -10,7 +10,7 @@ use crate::program::{Lookup, NameSpace};
 use crate::ty::{StructTy, Ty};
 use crate::typed::ExprId;
 use crate::typed::TypedKind;
-use rpi_diag::{Code, Diagnostic, Fix, Span};
+use rpi_diag::{Code, Diagnostic, Fix, Quote, Span};
 use rpi_syntax::Name;
 use rpi_syntax::ast::{self, ExprKind};
 use rpi_syntax::ops::BinaryOp;
@@ -18,7 +18,7 @@ use rpi_syntax::ops::BinaryOp;
 /// Names of the power function in other languages, in lower case.
 const POWER_NAMES: &[&str] = &["pow", "power", "powf", "powi", "expt"];
 
-/// Adds to the reported error of `pow(x, 2.0)` the fix that writes `x ** 2.0`.
+/// Adds a fix that writes `x ** 2.0` to the error reported about the undefined function in `pow(x, 2.0)`.
 pub(crate) fn suggest_power_operator<'a>(cx: &mut Body<'_, 'a>, call: &'a ast::Call, span: Span) {
     let name = call.callee.name.name.to_lowercase();
     let (true, [base, exponent]) = (POWER_NAMES.contains(&name.as_str()), &call.args[..]) else {
@@ -30,7 +30,12 @@ pub(crate) fn suggest_power_operator<'a>(cx: &mut Body<'_, 'a>, call: &'a ast::C
     let (base, exponent) = (&base.value, &exponent.value);
     let [(open, close), (open_too, close_too)] = [base, exponent].map(parentheses_for);
     let sign = format!("{close} ** {open_too}");
-    let fix = Fix::sure("write `x ** y`")
+    let meant = format!(
+        "{} ** {}",
+        Quote::operand(base.span),
+        Quote::operand(exponent.span)
+    );
+    let fix = Fix::sure(format!("write `{meant}`"))
         .replace(
             span_between(span.start, base.span.start, span),
             format!("({open}"),
@@ -43,12 +48,12 @@ pub(crate) fn suggest_power_operator<'a>(cx: &mut Body<'_, 'a>, call: &'a ast::C
     diagnostic.help.clear();
     diagnostic
         .help
-        .push("a power is written `x ** y`".to_owned());
+        .push(format!("a power is written `{meant}`"));
     diagnostic.fixes = vec![fix];
 }
 
-/// Adds the struct syntax to the reported error of `P(x, y)` for a struct `P`. Returns an error expression of the
-/// struct's type.
+/// Adds the syntax of a struct literal to the error reported about `P(x, y)` if `P` is a struct. Returns an expression
+/// without a value, whose type is the struct.
 pub(crate) fn suggest_struct_literal<'a>(
     cx: &mut Body<'_, 'a>,
     call: &'a ast::Call,
@@ -85,7 +90,8 @@ pub(crate) fn suggest_struct_literal<'a>(
     cx.add(TypedKind::Error, Ty::Struct(ty), span)
 }
 
-/// Reports a call `map(f, a)` of an iterator whose static arguments are written among the arguments.
+/// Reports a call such as `map(f, a)` of an iterator whose static arguments are missing or written among the arguments,
+/// and returns an expression without a value.
 pub(crate) fn iterator_without_statics<'a>(
     cx: &mut Body<'_, 'a>,
     name: &'static str,
@@ -125,7 +131,7 @@ pub(crate) fn iterator_without_statics<'a>(
     cx.report_error_expr(diagnostic, span)
 }
 
-/// Whether a name is a callable declaration and not a local flow.
+/// Whether a name refers to a declaration that can be called, and not to a local name.
 fn is_callable_name(cx: &Body<'_, '_>, name: &Name) -> bool {
     let found = cx
         .checker
@@ -136,7 +142,7 @@ fn is_callable_name(cx: &Body<'_, '_>, name: &Name) -> bool {
     locals::find_local(cx, name).is_none() && matches!(found, Lookup::Found(id) if is_callee(id))
 }
 
-/// Returns the last reported diagnostic with this code and this primary location.
+/// Returns the latest diagnostic of the body with this code and this primary location; `None` if there is none.
 pub(crate) fn diagnostic_at<'s>(
     cx: &'s mut Body<'_, '_>,
     span: Span,
@@ -146,7 +152,7 @@ pub(crate) fn diagnostic_at<'s>(
     diagnostics.find(|diagnostic| diagnostic.code == code && diagnostic.span() == span)
 }
 
-/// Returns the parentheses that an operand of `**` needs: none for a name or a number.
+/// Returns the opening and closing parentheses that an operand of `**` needs; empty texts for a name or a number.
 fn parentheses_for(operand: &ast::Expr) -> (&'static str, &'static str) {
     match operand.kind {
         ExprKind::Name(_) | ExprKind::Number(_) => ("", ""),
@@ -154,7 +160,7 @@ fn parentheses_for(operand: &ast::Expr) -> (&'static str, &'static str) {
     }
 }
 
-/// Returns the span from `start` to `end` in the file of `around`.
+/// Returns the span from `start` to `end` (byte offsets) in the file of the span `around`.
 fn span_between(start: u32, end: u32, around: Span) -> Span {
     Span {
         start,

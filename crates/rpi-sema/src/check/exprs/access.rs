@@ -24,24 +24,39 @@ use rpi_syntax::Name;
 use rpi_syntax::ast::{self, Access, ExprKind, Field, Ident};
 use std::rc::Rc;
 
-/// Returns the description of a value in messages: its type, or "this call" for the outputs of a call.
-fn value_description(ty: &Ty) -> String {
-    match ty {
-        Ty::Tuple(_) => "this call".to_owned(),
-        ty => format!("`{ty}`"),
+/// Returns a description of a value for messages: its type, or "the call `f`" if the value is the tuple of a call's
+/// outputs.
+fn value_description(cx: &Body<'_, '_>, value: ExprId) -> String {
+    match (cx.ty_of(value), &cx.unit.expr(value).kind) {
+        (Ty::Tuple(_), TypedKind::Flow(flow)) => format!("the call `{}`", cx.unit.flow(*flow).name),
+        (Ty::Tuple(_), _) => "this call".to_owned(),
+        (ty, _) => format!("`{ty}`"),
     }
 }
 
-/// Returns the names of a device's actuator ports or of its sensor ports, for messages.
-fn port_list(device: &DeviceTy, actuators: bool) -> String {
-    let ports = device
-        .ports
-        .iter()
-        .filter(|port| port.is_actuator == actuators);
+/// Returns the names of a device's sensor ports, for messages.
+fn sensor_list(device: &DeviceTy) -> String {
+    let ports = device.ports.iter().filter(|port| !port.is_actuator);
     join_names(ports.map(|port| port.name.as_str()))
 }
 
-/// Returns the diagnostic for an unknown field or output, with the list of the existing ones.
+/// Returns the equations that give a device a set-point: `arm.tcp = ...;` or `arm.joints = ...;`.
+fn actuator_target_help(name: &Name, device: &DeviceTy) -> String {
+    let actuators = device.ports.iter().filter(|port| port.is_actuator);
+    let forms: Vec<String> = actuators
+        .map(|port| format!("`{name}.{} = ...;`", port.name))
+        .collect();
+    match forms.is_empty() {
+        true => "this device has no actuator ports".to_owned(),
+        false => format!(
+            "write a set-point to an actuator port: {}",
+            forms.join(" or ")
+        ),
+    }
+}
+
+/// Returns the diagnostic for a field or output `field` that a value of type `ty` lacks, with the list of the existing
+/// ones. `of` describes the value.
 pub(crate) fn unknown_member(ty: &Ty, of: &str, field: &Ident) -> Diagnostic {
     let near = rpi_diag::suggest(&field.name, member_names(ty.members()));
     let diagnostic = no_member(of, &field.name, field.span, near);
@@ -57,12 +72,13 @@ pub(crate) fn unknown_member(ty: &Ty, of: &str, field: &Ident) -> Diagnostic {
     }
 }
 
-/// Returns the names of the members of a struct or of outputs, without the members that have no name.
+/// Returns the names of the fields of a struct or of the outputs of a call. Members without a name are left out.
 pub(crate) fn member_names(parts: &[Member]) -> impl Iterator<Item = &str> {
     parts.iter().filter_map(|member| member.name.as_deref())
 }
 
-/// Checks a field access `base.field` and adds its expression.
+/// Checks a field access `base.field` and returns its typed expression. `base` may also be a fragment, a state, a
+/// command or a device.
 pub(crate) fn field_access<'a>(cx: &mut Body<'_, 'a>, field: &'a Field, span: Span) -> ExprId {
     if let Some(block) = named_block(cx, &field.base) {
         return block_member(cx, block, &field.field, span);
@@ -81,7 +97,8 @@ pub(crate) fn field_access<'a>(cx: &mut Body<'_, 'a>, field: &'a Field, span: Sp
     member_access(cx, base, &field.field)
 }
 
-/// Reports `Mode.Moving`: an enum value is written without its type. Returns `None` if `name` is not an enum.
+/// Reports `Mode.Moving`, because an enum value is written without its type, and returns an expression without a value.
+/// Returns `None` if `name` is not an enum.
 fn enum_value_by_field(cx: &mut Body<'_, '_>, name: &Name, field: &Field) -> Option<ExprId> {
     let Lookup::Found(id) = cx.checker.program.lookup(cx.module, name) else {
         return None;
@@ -110,8 +127,8 @@ fn enum_value_by_field(cx: &mut Body<'_, '_>, name: &Name, field: &Field) -> Opt
     Some(cx.report_error_expr(diagnostic, whole))
 }
 
-/// Reports `Mode::Moving`: an enum value is written without its type. Returns `None` if the path does not start
-/// with an enum.
+/// Reports `Mode::Moving`, because an enum value is written without its type, and returns an expression without a
+/// value. Returns `None` if the path does not start with an enum.
 pub(crate) fn enum_value_by_path(cx: &mut Body<'_, '_>, name: &Name, span: Span) -> Option<ExprId> {
     let (of, value) = name.rsplit_once("::")?;
     let Lookup::Found(id) = cx.checker.program.lookup(cx.module, &of.into()) else {
@@ -139,7 +156,8 @@ pub(crate) fn enum_value_by_path(cx: &mut Body<'_, '_>, name: &Name, span: Span)
     Some(cx.report_error_expr(diagnostic, span))
 }
 
-/// Returns the block of the inline fragment or state that `inner` or `outer.inner` names.
+/// Returns the block of the inline fragment or state that the expression `inner` or `outer.inner` names; `None` for
+/// other expressions.
 fn named_block(cx: &Body<'_, '_>, expr: &ast::Expr) -> Option<BlockId> {
     let local = match (plain_name(expr), &expr.kind) {
         (Some(name), _) => locals::find_local(cx, name),
@@ -155,7 +173,8 @@ fn named_block(cx: &Body<'_, '_>, expr: &ast::Expr) -> Option<BlockId> {
     }
 }
 
-/// Reads a flow of an inline fragment or state from outside of it.
+/// Returns an expression that reads the flow `field` of an inline fragment or state from outside of it. Reports an
+/// unknown flow.
 pub(crate) fn block_member(
     cx: &mut Body<'_, '_>,
     block: BlockId,
@@ -188,7 +207,8 @@ pub(crate) fn block_member(
     }
 }
 
-/// Checks access to a member of a value by name: a field, an output, or a sensor port.
+/// Checks access to a member of a value by name: a field, an output of a call, or a sensor port of a device. Returns
+/// its typed expression.
 pub(crate) fn member_access(cx: &mut Body<'_, '_>, base: ExprId, field: &Ident) -> ExprId {
     let span = cx.span_of(base).merge(field.span);
     match cx.ty_of(base).clone() {
@@ -197,7 +217,10 @@ pub(crate) fn member_access(cx: &mut Body<'_, '_>, base: ExprId, field: &Ident) 
         Ty::Spatial(..) => spatial_parts::spatial_part(cx, base, field, span),
         ty => match find_member(&ty, &field.name) {
             Some((at, ty)) => cx.add(TypedKind::Part { base, at }, ty, span),
-            None => cx.report_error_expr(unknown_member(&ty, &value_description(&ty), field), span),
+            None => cx.report_error_expr(
+                unknown_member(&ty, &value_description(cx, base), field),
+                span,
+            ),
         },
     }
 }
@@ -231,7 +254,7 @@ fn sensor_access(
         .primary(field.span, "an actuator port cannot be read")
         .help(format!(
             "read measured values and the last set-point from its sensor ports: {}",
-            port_list(device, false)
+            sensor_list(device)
         ));
         return cx.report_error_expr(diagnostic, span);
     }
@@ -242,8 +265,8 @@ fn sensor_access(
     cx.add(TypedKind::Sensor { device: base, port }, ty, span)
 }
 
-/// Returns the type of a device's port, with the frames of this device. Reports a size that depends on a parameter
-/// without a value.
+/// Returns the type of a device's port. The frames in the type are those of the device that the expression `base`
+/// reads. Reports an array size that depends on a parameter without a value, and returns `None`.
 fn port_type(
     cx: &mut Body<'_, '_>,
     base: ExprId,
@@ -273,8 +296,8 @@ fn port_type(
     Some(ty.substituted(&device_frame_subst(cx, device, flow)))
 }
 
-/// Returns the substitution that replaces the frames of a device type by those of the device in `flow`: `tcp` becomes
-/// `arm.tcp`.
+/// Returns the substitution that replaces the frames of a device type by those of the device that `flow` holds: `tcp`
+/// becomes `arm.tcp`.
 pub(crate) fn device_frame_subst(
     cx: &Body<'_, '_>,
     device: &DeviceTy,
@@ -288,7 +311,8 @@ pub(crate) fn device_frame_subst(
     }
 }
 
-/// Returns the actuator port that the target `arm.tcp` defines, and its type.
+/// Returns the actuator port that the target `arm.tcp` of an equation defines, and the type of the port. `flow` holds
+/// the device. After an error, it returns a target and a type that cause no further errors.
 pub(crate) fn actuator_target<'a>(
     cx: &mut Body<'_, 'a>,
     flow: FlowId,
@@ -302,7 +326,7 @@ pub(crate) fn actuator_target<'a>(
             format!("cannot define the device `{}`", target.name.name),
         )
         .primary(target.span, "only its actuator ports can be defined")
-        .help(format!("write `{}.port = ...;`", target.name.name));
+        .help(actuator_target_help(&target.name.name, device));
         report::report_diagnostic(cx, diagnostic);
         return nowhere;
     };
@@ -317,7 +341,7 @@ pub(crate) fn actuator_target<'a>(
         let diagnostic = match device.port(&field.name) {
             Some(_) => Diagnostic::new(Code::RPI6001, format!("`{}` is a sensor port", field.name))
                 .primary(field.span, "a sensor port cannot be defined")
-                .help(format!("write set-points to {}", port_list(device, true))),
+                .help(actuator_target_help(&target.name.name, device)),
             None => no_member(&of, &field.name, field.span, near),
         };
         report::report_diagnostic(cx, diagnostic);
@@ -336,8 +360,8 @@ pub(crate) fn actuator_target<'a>(
     )
 }
 
-/// Returns the first leaf and the type of the part that a path of fields, elements and slices selects in a value of
-/// type `ty` that starts at leaf `at`.
+/// Returns the first leaf (scalar part) and the type of the part that a path of fields, elements and slices selects in
+/// a value. The value has the type `ty` and starts at leaf `at`. `None` after an error.
 pub(crate) fn resolve_path<'a>(
     cx: &mut Body<'_, 'a>,
     ty: &Ty,
@@ -368,7 +392,8 @@ pub(crate) fn resolve_path<'a>(
     resolve_path(cx, &inner, at + offset, rest)
 }
 
-/// Returns the first leaf and the type of a field; reports an unknown field.
+/// Returns the index of the first leaf (scalar part) and the type of a field. Reports an unknown field and returns
+/// `None`.
 pub(crate) fn resolve_field(cx: &mut Body<'_, '_>, ty: &Ty, field: &Ident) -> Option<(u32, Ty)> {
     let found = find_member(ty, &field.name);
     if found.is_none() {
@@ -378,12 +403,13 @@ pub(crate) fn resolve_field(cx: &mut Body<'_, '_>, ty: &Ty, field: &Ident) -> Op
     found
 }
 
-/// Returns the number of leaves of a type, saturating, for use as an offset.
+/// Returns the number of leaves (scalar parts) of a type. A number above `u32::MAX` is returned as `u32::MAX`.
 pub(crate) fn leaf_count(ty: &Ty) -> u32 {
     u32::try_from(ty.leaf_count()).unwrap_or(u32::MAX)
 }
 
-/// Returns the first leaf and the type of the member with this name.
+/// Returns the index of the first leaf (scalar part) and the type of the member with this name; `None` if there is no
+/// such member.
 pub(crate) fn find_member(ty: &Ty, name: &str) -> Option<(u32, Ty)> {
     let members = ty.members();
     let index = members

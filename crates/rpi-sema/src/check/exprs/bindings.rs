@@ -9,36 +9,39 @@ use rpi_diag::{Code, Diagnostic, Span};
 use rpi_syntax::Name;
 use rpi_syntax::ast::{Expr, ExprKind, Ident};
 
-/// Name that an expression binds: the variable of a quantifier, a refined value, or an array index.
+/// Name that an expression gives to a value: the variable of a quantifier, the value in a refinement type, the part of
+/// a value in a pattern, or an array index.
 #[derive(Clone, Debug)]
 pub(crate) struct Binding {
     pub(crate) name: Name,
-    /// Meaning of the name.
+    /// Value for which the name stands.
     pub(crate) value: BindingValue,
-    /// Number of `pre` operators around the binding.
+    /// Number of delay operators such as `pre` around the place where the name is bound. A quantified variable must not
+    /// be read under more of them.
     pre_depth: u32,
-    /// Location of the binding.
+    /// Location at which the name is bound.
     span: Span,
 }
 
-/// What a bound name stands for.
+/// Value or type for which a bound name stands.
 #[derive(Clone, Debug)]
 pub(crate) enum BindingValue {
-    /// Variable of a quantifier: any value of the type.
+    /// Variable of a quantifier: stands for all values of the type.
     Quantified(Ty),
-    /// Value to which the condition of a refinement type applies.
+    /// Value whose type is a refinement type, in the condition of that type, as `x` in `subtype { x: int | x > 0 }`.
     Refined(Ty),
-    /// Name that a pattern or mode gives to an expression.
+    /// Expression to which a pattern or a mode of a contract gives the name.
     Expr(ExprId),
-    /// Value of an array index in an equation that defines an array element by element.
+    /// Array index with this value, in the equation of one array element.
     Index(i64),
 }
 
-/// Location of the first part of a claim that no run of the program can evaluate; `None` if there is none.
+/// Location of the first part of a claim that cannot be evaluated at run time, such as a quantifier; `None` if all of
+/// it can be evaluated.
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct NotEvaluable(pub(crate) Option<Span>);
 
-/// Runs `work` while a name is bound, then unbinds it.
+/// Runs `work` while `name` stands for the value `means`, and returns the result of `work`.
 pub(crate) fn with_binding<'c, 'a, T>(
     cx: &mut Body<'c, 'a>,
     name: &Ident,
@@ -51,7 +54,7 @@ pub(crate) fn with_binding<'c, 'a, T>(
     result
 }
 
-/// Binds a name. The caller removes it from the list of bound names again.
+/// Makes `name` stand for the value `means`. The caller must later remove the name from the list of bound names.
 pub(crate) fn bind_name(cx: &mut Body<'_, '_>, name: &Ident, means: BindingValue) {
     cx.bindings.bound_names.push(Binding {
         name: name.name.clone(),
@@ -61,7 +64,8 @@ pub(crate) fn bind_name(cx: &mut Body<'_, '_>, name: &Ident, means: BindingValue
     });
 }
 
-/// Returns the expression for a name that an enclosing expression binds; `None` if none does.
+/// Returns an expression for a name that an expression around it binds; `None` if the name is not bound. Reports a
+/// quantified variable where it is not allowed.
 pub(crate) fn read_binding(cx: &mut Body<'_, '_>, name: &Name, span: Span) -> Option<ExprId> {
     let at = cx
         .bindings
@@ -113,7 +117,7 @@ fn report_not_constant(cx: &mut Body<'_, '_>, bound: &Binding, span: Span) -> Ex
     cx.report_error_expr(diagnostic, span)
 }
 
-/// Whether an expression reads a variable of a quantifier or an array index.
+/// Whether an expression reads the variable of a quantifier or an array index.
 pub(crate) fn reads_binding(cx: &Body<'_, '_>, expr: &Expr) -> bool {
     let mut open = vec![expr];
     while let Some(expr) = open.pop() {
@@ -132,7 +136,7 @@ pub(crate) fn reads_binding(cx: &Body<'_, '_>, expr: &Expr) -> bool {
 }
 
 impl Binding {
-    /// Whether the name has several values in one cycle.
+    /// Whether the name stands for several values in one cycle, as the variable of a quantifier or an array index does.
     pub(crate) fn has_many_values(&self) -> bool {
         matches!(
             self.value,
@@ -140,7 +144,7 @@ impl Binding {
         )
     }
 
-    /// Whether the name is the variable of a quantifier.
+    /// Returns whether the name is the variable of a quantifier.
     pub(crate) fn is_quantified(&self) -> bool {
         matches!(self.value, BindingValue::Quantified(_))
     }

@@ -5,8 +5,9 @@ use crate::facts::literal;
 use crate::typed::{Activation, Call, TypedKind};
 use crate::typed::{DeclaredClock, ExprId};
 
-/// Gives a call in a case of a `merge` and its arguments the clock of the case, if the call is activated by the
-/// same condition. Returns any other case as it is.
+/// Samples the arguments of a call that is a case of a `merge` with the clock of the case, if the call is activated by
+/// the same condition, and returns the changed call. Returns any other case unchanged. `on` is the flow of the `merge`,
+/// and `value` is the value of the flow for which the case applies.
 pub(crate) fn sample_activated_case(
     cx: &mut Body<'_, '_>,
     on: ExprId,
@@ -36,7 +37,8 @@ pub(crate) fn sample_activated_case(
     cx.add(TypedKind::Call(Box::new(call)), ty, span)
 }
 
-/// Returns the clock of a case, its call, and the restart condition of the call.
+/// Returns the clock of a case of a `merge`, the call in the case, and the restart condition of the call. `None` unless
+/// the case is a call that is activated exactly when the case applies.
 fn case_activation(
     cx: &Body<'_, '_>,
     on: ExprId,

@@ -11,7 +11,7 @@ use crate::check::diagnostics::report::ExpectationReason;
 use crate::check::diagnostics::report::join_names;
 use crate::check::diagnostics::report::undefined_name;
 use crate::check::diagnostics::report::wrong_kind_of_name;
-use crate::check::diagnostics::undefined_names::report_undefined_flow;
+use crate::check::diagnostics::undefined_names::{declaration_help, report_undefined_flow};
 use crate::check::exprs::access;
 use crate::check::exprs::case;
 use crate::check::exprs::expr;
@@ -21,11 +21,11 @@ use crate::hash::{FastMap, FastSet};
 use crate::ty::{EnumTy, Ty, join};
 use crate::typed::{DeclaredClock, ExprId, FlowId};
 use crate::typed::{ElementwiseOp, TypedKind};
-use rpi_diag::{Code, Diagnostic, Span};
+use rpi_diag::{Code, Diagnostic, Quote, Span};
 use rpi_syntax::ast::{self, Clock, ClockValue, Ident, Merge, WhenExpr};
 use std::rc::Rc;
 
-/// Checks `x when c`.
+/// Checks `x when c` (a flow sampled at a clock) and returns its typed expression.
 pub(crate) fn when_expr<'a>(cx: &mut Body<'_, 'a>, when: &'a WhenExpr, span: Span) -> ExprId {
     let value = expr::check_expr(cx, &when.value);
     let ty = cx.ty_of(value).clone();
@@ -35,7 +35,8 @@ pub(crate) fn when_expr<'a>(cx: &mut Body<'_, 'a>, when: &'a WhenExpr, span: Spa
     }
 }
 
-/// Resolves a clock: the flow that is its condition, and the value of that flow for which the clock ticks.
+/// Returns the resolved form of a clock: the flow that is its condition, and the value of that flow for which the clock
+/// ticks. Reports an unsuitable flow and returns `None`.
 pub(crate) fn resolve_clock(cx: &mut Body<'_, '_>, clock: &Clock) -> Option<DeclaredClock> {
     cx.unit.has_clocks = true;
     let flow = resolve_clock_flow(cx, &clock.flow)?;
@@ -59,8 +60,16 @@ pub(crate) fn resolve_clock(cx: &mut Body<'_, '_>, clock: &Clock) -> Option<Decl
                 "a clock must be a Boolean or one value of an enum",
             )
             .help(match ty {
-                Ty::Enum(_) => format!("give the enum value: `A({})`", clock.flow.name),
-                _ => "define a Boolean flow first: `c = x > 0; y = e when c;`".to_owned(),
+                Ty::Enum(ref enum_ty) => format!(
+                    "name the value of the enum for which the clock ticks: `when {}({})`",
+                    enum_ty.values.first().map_or("...", |value| value.as_str()),
+                    clock.flow.name
+                ),
+                _ => format!(
+                    "define a Boolean flow, such as `is_on = {0} {1};`, and sample by it: `when is_on`",
+                    clock.flow.name,
+                    if ty == Ty::Int { "<> 0".to_owned() } else { format!("> {}", ty.zero_literal().unwrap_or("0".to_owned())) }
+                ),
             });
         report::report_diagnostic(cx, diagnostic);
         return None;
@@ -68,7 +77,8 @@ pub(crate) fn resolve_clock(cx: &mut Body<'_, '_>, clock: &Clock) -> Option<Decl
     Some(DeclaredClock { flow, value })
 }
 
-/// Resolves the name of the flow that is the condition of a clock.
+/// Returns the flow with the name that a clock has as its condition. Reports a name that is not a flow and returns
+/// `None`.
 fn resolve_clock_flow(cx: &mut Body<'_, '_>, name: &Ident) -> Option<FlowId> {
     match locals::find_local(cx, &name.name) {
         Some(Local::Flow(flow)) => {
@@ -86,7 +96,9 @@ fn resolve_clock_flow(cx: &mut Body<'_, '_>, name: &Ident) -> Option<FlowId> {
         None => {
             if cx.record_undefined(&name.name) {
                 let near = cx.checker.suggest(&name.name, locals::local_names(cx));
-                let diagnostic = undefined_name("flow", &name.name, name.span, near);
+                let help = near.is_none().then(|| declaration_help(cx, &name.name));
+                let mut diagnostic = undefined_name("flow", &name.name, name.span, near);
+                diagnostic.help.extend(help);
                 report_undefined_flow(cx, &name.name, diagnostic);
             }
             None
@@ -94,7 +106,8 @@ fn resolve_clock_flow(cx: &mut Body<'_, '_>, name: &Ident) -> Option<FlowId> {
     }
 }
 
-/// Resolves a clock that is present for one value of an enum or Boolean.
+/// Returns the clock that ticks while `flow` has the given enum or Boolean value. Reports an unknown value and returns
+/// `None`.
 fn resolve_clock_value(
     cx: &mut Body<'_, '_>,
     flow: FlowId,
@@ -105,7 +118,8 @@ fn resolve_clock_value(
     Some(DeclaredClock { flow, value })
 }
 
-/// Returns the number of a Boolean or enum value.
+/// Returns the number of a Boolean value (0 or 1) or of an enum value (its index). Reports an unknown value and returns
+/// `None`.
 fn value_number(cx: &mut Body<'_, '_>, ty: &Ty, value: &Ident) -> Option<u32> {
     let name = value.name.as_str();
     match ty {
@@ -138,7 +152,8 @@ fn enum_value_number(cx: &mut Body<'_, '_>, e: &Rc<EnumTy>, value: &Ident) -> Op
     index
 }
 
-/// Checks `merge c (A -> x) (B -> y)`.
+/// Checks `merge c (A -> x) (B -> y)`, which takes its value from the case for the current value of `c`, and returns
+/// its typed expression.
 pub(crate) fn merge_expr<'a>(cx: &mut Body<'_, 'a>, merge: &'a Merge, span: Span) -> ExprId {
     cx.unit.has_clocks = true;
     let on = expr::check_expr(cx, &merge.selector);
@@ -170,7 +185,8 @@ pub(crate) fn merge_expr<'a>(cx: &mut Body<'_, 'a>, merge: &'a Merge, span: Span
     cx.add(TypedKind::Merge { on, cases }, ty, span)
 }
 
-/// Returns the type of the condition of a `merge`; `Unknown` after the error about an unsuitable type.
+/// Returns the type of the condition of a `merge`. Reports a type that is neither Boolean nor an enum and returns
+/// `Unknown`.
 fn merge_condition_type(cx: &mut Body<'_, '_>, on: ExprId) -> Ty {
     let ty = cx.ty_of(on).clone();
     if matches!(ty, Ty::Bool | Ty::Enum(_) | Ty::Unknown) {
@@ -186,12 +202,16 @@ fn merge_condition_type(cx: &mut Body<'_, '_>, on: ExprId) -> Ty {
         Diagnostic::new(Code::RPI2006, message).primary(cx.span_of(on), format!("this is `{ty}`"));
     report::report_diagnostic(
         cx,
-        diagnostic.help("choose by a number with `if n = 0 then a else b`"),
+        diagnostic.help(format!(
+            "choose by a number with `if`: `if {} = 0 then ... else ...`",
+            report::operand_name(cx, on)
+        )),
     );
     Ty::Unknown
 }
 
-/// Returns the common type of the cases of a `merge` up to this one.
+/// Returns the common type of the cases of a `merge` up to and including `then`. `cases` are the earlier cases, and
+/// `so_far` is their common type.
 fn case_type(cx: &mut Body<'_, '_>, so_far: Ty, cases: &[(u32, ExprId)], then: ExprId) -> Ty {
     let Some((_, first)) = cases.first() else {
         return cx.ty_of(then).clone();
@@ -200,7 +220,8 @@ fn case_type(cx: &mut Body<'_, '_>, so_far: Ty, cases: &[(u32, ExprId)], then: E
     join(&so_far, &common).unwrap_or(so_far)
 }
 
-/// Reports missing cases of a `merge`.
+/// Reports values of the condition for which a `merge` has no case. `of` is the type of the condition, and `cases` are
+/// the numbers of the values with their expressions.
 fn check_exhaustive_merge(cx: &mut Body<'_, '_>, of: &Ty, cases: &[(u32, ExprId)], span: Span) {
     let names: Vec<&str> = match of {
         Ty::Bool => vec!["false", "true"],
@@ -230,7 +251,7 @@ fn check_exhaustive_merge(cx: &mut Body<'_, '_>, of: &Ty, cases: &[(u32, ExprId)
     }
 }
 
-/// Checks `current x`.
+/// Checks `current x` (the latest value of a sampled flow) and returns its typed expression.
 pub(crate) fn current_expr<'a>(
     cx: &mut Body<'_, 'a>,
     operand: &'a ast::Expr,
@@ -243,13 +264,30 @@ pub(crate) fn current_expr<'a>(
     if let (Ty::Tuple(_), true) = (&ty, unit::reads_rpi_syntax(cx)) {
         let diagnostic = Diagnostic::new(Code::RPI2006, format!("`current` cannot take `{ty}`"))
             .primary(cx.span_of(operand), "it takes one flow")
-            .help("use `hold(x, 0)` for an initial value: the latest value of `x`, 0 before the first one");
+            .help(initialised_hold_help(cx, operand));
         return cx.report_error_expr(diagnostic, span);
     }
     cx.add(TypedKind::Current(operand), ty, span)
 }
 
-/// Checks `last x`. For a flow shared by states, it is the value of the previous cycle in whichever state that was.
+/// Returns the form with an initial value that `current(0, x)` or `current(x, 0)` probably means.
+fn initialised_hold_help(cx: &Body<'_, '_>, operands: ExprId) -> String {
+    let TypedKind::Build(parts) = &cx.unit.expr(operands).kind else {
+        return "pass one flow".to_owned();
+    };
+    let [a, b] = parts[..] else {
+        return "write `current` before each flow".to_owned();
+    };
+    let is_literal = |id: ExprId| matches!(cx.unit.expr(id).kind, TypedKind::Literal(_));
+    let (value, first) = if is_literal(b) { (a, b) } else { (b, a) };
+    let [value, first] = [value, first].map(|id| Quote::text(cx.span_of(id)));
+    format!(
+        "`hold({value}, {first})` is the latest value of its first argument, and `{first}` before the first one"
+    )
+}
+
+/// Checks `last x` and returns its typed expression. For a flow that several states of an automaton define, this is the
+/// value of the previous cycle, in whichever state that was.
 pub(crate) fn last_expr<'a>(cx: &mut Body<'_, 'a>, operand: &'a ast::Expr, span: Span) -> ExprId {
     cx.record_state(span);
     if !is_name_or_field(operand) {
@@ -269,7 +307,8 @@ pub(crate) fn last_expr<'a>(cx: &mut Body<'_, 'a>, operand: &'a ast::Expr, span:
     )
 }
 
-/// Checks the operand of `last`. A flow of a state is replaced by the shared flow outside the automaton.
+/// Checks the operand of `last` and returns its typed expression. A flow local to a state is replaced by the flow
+/// outside of the automaton.
 fn last_operand<'a>(cx: &mut Body<'_, 'a>, operand: &'a ast::Expr) -> ExprId {
     if let ast::ExprKind::Field(field) = &operand.unparen().kind {
         let base = last_operand(cx, &field.base);
@@ -287,9 +326,9 @@ fn last_operand<'a>(cx: &mut Body<'_, 'a>, operand: &'a ast::Expr) -> ExprId {
     id
 }
 
-/// Returns the outermost shared flow that a state's flow contributes to and that is defined in every state on the
-/// way; at least that of its own automaton. A state of an outer automaton that does not define the flow does not
-/// affect those that do.
+/// Returns the outermost flow that a flow local to a state defines through automata in which every state defines it; at
+/// least the flow of the innermost automaton. `None` if the flow is not local to a state. A state of an outer automaton
+/// that does not define the flow does not affect the states that define it.
 fn outermost_total_flow(cx: &Body<'_, '_>, flow: FlowId) -> Option<FlowId> {
     let mut around = automaton::enclosing_shared_flows(cx, flow);
     let first = around.next()?;
@@ -297,7 +336,7 @@ fn outermost_total_flow(cx: &Body<'_, '_>, flow: FlowId) -> Option<FlowId> {
     Some(whole.last().unwrap_or(first))
 }
 
-/// Whether an automaton has a state that leaves this flow absent.
+/// Whether an automaton defines this flow but has a state that does not, so that the flow can be absent.
 fn is_partially_defined(cx: &Body<'_, '_>, flow: FlowId) -> bool {
     let block = cx.unit.block(cx.unit.flow(flow).block);
     let mut shared = block
@@ -307,7 +346,7 @@ fn is_partially_defined(cx: &Body<'_, '_>, flow: FlowId) -> bool {
     shared.any(|shared| shared.flow == flow && shared.is_partially_defined())
 }
 
-/// Whether an expression is only a name of a flow or of a part of one.
+/// Whether an expression is the name of a flow or a path of fields of a flow.
 fn is_name_or_field(operand: &ast::Expr) -> bool {
     match &operand.unparen().kind {
         ast::ExprKind::Field(field) => is_name_or_field(&field.base),
@@ -317,7 +356,8 @@ fn is_name_or_field(operand: &ast::Expr) -> bool {
     }
 }
 
-/// Returns the diagnostic for a `merge` that has two cases for one value.
+/// Returns the diagnostic for a `merge` that has two cases for the value `name`. `first` is the location of the first
+/// case.
 pub(crate) fn duplicate_case(name: &Ident, first: rpi_diag::Span) -> Diagnostic {
     Diagnostic::new(
         Code::RPI2011,

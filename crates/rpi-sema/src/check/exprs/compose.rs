@@ -8,6 +8,7 @@ use crate::check::diagnostics::report::wrong_kind_of_name;
 use crate::check::diagnostics::undefined_names;
 use crate::check::exprs::access::leaf_count;
 use crate::check::exprs::access::unknown_member;
+use crate::check::exprs::bracketed;
 use crate::check::exprs::expr;
 use crate::check::exprs::spatial_parts;
 use crate::check::types::consts;
@@ -20,14 +21,14 @@ use crate::ty::Ty;
 use crate::ty::check_assignable;
 use crate::typed::ExprId;
 use crate::typed::TypedKind;
-use rpi_diag::{Code, Diagnostic, Span};
+use rpi_diag::{Code, Diagnostic, Quote, Span};
 use rpi_syntax::ast::{self, Binary, FieldValue, Ident, StaticArg, StructExpr};
 use std::rc::Rc;
 
-/// Maximum length of an array.
+/// Maximum number of elements of an array.
 const MAX_LENGTH: i64 = MAX_LEAVES as i64;
 
-/// Checks an array literal `[x, y]`.
+/// Checks an array literal `[x, y]` and returns its typed expression.
 pub(crate) fn array_literal<'a>(
     cx: &mut Body<'_, 'a>,
     elements: &'a [ast::Expr],
@@ -55,7 +56,8 @@ pub(crate) fn array_literal<'a>(
     add_array(cx, TypedKind::Build(ids.into()), Rc::new(element), n, span)
 }
 
-/// Adds an expression of an array type; reports an array with too many leaves.
+/// Adds the expression `kind`, an array of `n` elements of the type `element`, and returns it. Reports an array with
+/// too many leaves (scalar parts).
 pub(crate) fn add_array(
     cx: &mut Body<'_, '_>,
     kind: TypedKind,
@@ -70,22 +72,24 @@ pub(crate) fn add_array(
     }
 }
 
-/// Checks the array of `n` equal elements, `x ^ n`.
+/// Checks an array of `n` equal elements, `x ^ n`, and returns its typed expression.
 pub(crate) fn array_repeat<'a>(cx: &mut Body<'_, 'a>, binary: &'a Binary, span: Span) -> ExprId {
     let element = expr::check_expr(cx, &binary.lhs);
-    let Some(n) = const_size(cx, &binary.rhs) else {
+    let Some(n) = size_value(cx, &binary.rhs, Some(binary.lhs.span)) else {
         return cx.error_expr(span);
     };
     let ty = Rc::new(cx.ty_of(element).clone());
     add_array(cx, TypedKind::Repeat(element), ty, n, span)
 }
 
-/// Checks the concatenation of arrays, `x | y`.
+/// Checks the concatenation of arrays, `x | y`, and returns its typed expression.
 pub(crate) fn array_concat<'a>(cx: &mut Body<'_, 'a>, binary: &'a Binary, span: Span) -> ExprId {
-    let (left, right) = (
-        expr::check_expr(cx, &binary.lhs),
-        expr::check_expr(cx, &binary.rhs),
-    );
+    let before = cx.diagnostics.len();
+    let left = expr::check_expr(cx, &binary.lhs);
+    if report::has_error_since(cx, before) {
+        bracketed::hint_concat_precedence(cx, binary);
+    }
+    let right = expr::check_expr(cx, &binary.rhs);
     let (a, b) = (cx.ty_of(left).clone(), cx.ty_of(right).clone());
     let (Ty::Array(a, n), Ty::Array(b, m)) = (&a, &b) else {
         if a.is_unknown() || b.is_unknown() {
@@ -112,21 +116,44 @@ pub(crate) fn array_concat<'a>(cx: &mut Body<'_, 'a>, binary: &'a Binary, span: 
     )
 }
 
-/// Returns the value of a size, a constant non-negative integer; reports any other expression.
+/// Returns the value of an array size, which must be a constant non-negative integer. Reports any other expression and
+/// returns `None`.
 pub(crate) fn const_size<'a>(cx: &mut Body<'_, 'a>, size: &'a ast::Expr) -> Option<u32> {
+    size_value(cx, size, None)
+}
+
+/// Returns the value of an array size as [`const_size`] does. `repeated` is the location of `x` in `x ^ n`, for the
+/// help text of an error; `None` for other sizes.
+fn size_value<'a>(
+    cx: &mut Body<'_, 'a>,
+    size: &'a ast::Expr,
+    repeated: Option<Span>,
+) -> Option<u32> {
     let before = cx.diagnostics.len();
     let id = expr::check_expr(cx, size);
     let leaves = consts::const_value_of(cx, id, &Ty::Int);
     let Some(value) = leaves.and_then(|leaves| leaves.first()?.as_int()) else {
         // A conversion cannot be applied to a size, so that the fixes are replaced by a hint.
-        let help = match cx.ty_of(id) {
-            Ty::Bool => "exclusive or is `a xor b`; `x^3` is an array of 3 times `x`",
-            _ => "the size of an array must be a constant integer; a power is `x ** 2.0`",
+        let help = match (cx.ty_of(id), repeated) {
+            (Ty::Bool, Some(base)) => format!(
+                "exclusive or is `{} xor {}`; `^` makes an array of equal elements",
+                Quote::operand(base),
+                Quote::operand(size.span)
+            ),
+            (_, Some(base)) => format!(
+                "`{0} ^ n` is an array of `n` times `{0}`; a power is written `{0} ** {1}`",
+                Quote::operand(base),
+                Quote::operand(size.span)
+            ),
+            (_, None) => "the size of an array must be a constant integer".to_owned(),
         };
         for diagnostic in cx.diagnostics.iter_mut().skip(before) {
             if diagnostic.code == Code::RPI2001 && diagnostic.span() == size.span {
                 diagnostic.fixes.clear();
-                diagnostic.help = vec![help.to_owned()];
+                diagnostic.help = vec![help.clone()];
+                diagnostic.labels[0]
+                    .text
+                    .push_str("; it is read as the size of an array");
             }
         }
         return None;
@@ -141,7 +168,8 @@ pub(crate) fn const_size<'a>(cx: &mut Body<'_, 'a>, size: &'a ast::Expr) -> Opti
     None
 }
 
-/// Checks a struct literal: `T{x = 1; y = 2}` or `T{s with x = 1}`.
+/// Checks a struct literal `T{x = 1; y = 2}`, or an update `T{s with x = 1}` of a struct, and returns its typed
+/// expression.
 pub(crate) fn struct_literal<'a>(
     cx: &mut Body<'_, 'a>,
     value: &'a StructExpr,
@@ -173,7 +201,8 @@ pub(crate) fn struct_literal<'a>(
     }
 }
 
-/// Resolves the struct type of a literal; reports a name that is not a struct.
+/// Returns the struct type of a struct literal with its static arguments. Reports a name that is not a struct and
+/// returns `None`.
 fn resolve_struct_type<'a>(
     cx: &mut Body<'_, 'a>,
     name: &Ident,
@@ -211,7 +240,8 @@ fn resolve_struct_type<'a>(
     None
 }
 
-/// Checks the values of a struct literal and assigns them to the fields.
+/// Checks the values in a struct literal. Returns the value of each field of the struct, or `None` for a field without
+/// a value. Returns `None` for the whole after an unknown field.
 fn check_field_values<'a>(
     cx: &mut Body<'_, 'a>,
     ty: &Rc<StructTy>,
@@ -224,8 +254,8 @@ fn check_field_values<'a>(
     match_fields(cx, ty, &values)
 }
 
-/// Returns the value of each field, `None` for a field without a value. Returns `None` after the error about an
-/// unknown field, as that may be a missing one, misspelt.
+/// Returns the value of each field of a struct, or `None` for a field without a value. Reports an unknown field and
+/// returns `None` for the whole, because the unknown field may be a missing one, misspelt.
 pub(crate) fn match_fields<'a>(
     cx: &mut Body<'_, 'a>,
     ty: &Rc<StructTy>,
@@ -244,7 +274,10 @@ pub(crate) fn match_fields<'a>(
             sound = false;
             continue;
         };
-        statement::expect_type(cx, id, &ty.fields[k].ty, &ExpectationReason::Unexplained);
+        let expected = &ty.fields[k].ty;
+        let why = format!("the field `{name}` of `{}` is `{expected}`", ty.name);
+        let why = ExpectationReason::Because(Span::NONE, why);
+        statement::expect_type(cx, id, expected, &why);
         if let Some(first) = given[k].replace(id) {
             let diagnostic =
                 crate::program::duplicate_name_error(name, value.field.span, cx.span_of(first));
@@ -254,8 +287,8 @@ pub(crate) fn match_fields<'a>(
     sound.then_some(given)
 }
 
-/// Returns the values of all fields. Fields without a value are taken from `base` or from their defaults; reports
-/// missing ones.
+/// Returns the values of all fields of a struct. Fields without a value in `given` are taken from the struct `base` or
+/// from their defaults. Reports missing fields and returns `None`.
 pub(crate) fn fill_fields(
     cx: &mut Body<'_, '_>,
     ty: &Rc<StructTy>,

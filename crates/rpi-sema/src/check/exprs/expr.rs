@@ -4,6 +4,7 @@ use crate::check::bodies::body::Body;
 use crate::check::bodies::elements;
 use crate::check::bodies::statement;
 use crate::check::calls::call;
+use crate::check::diagnostics::number_fixes;
 use crate::check::diagnostics::report;
 use crate::check::diagnostics::report::ExpectationReason;
 use crate::check::exprs::access;
@@ -78,8 +79,8 @@ fn check_expr_kind<'a>(cx: &mut Body<'_, 'a>, expr: &'a ast::Expr) -> ExprId {
     }
 }
 
-/// Checks a number literal and adds its expression. `negative` is true after a minus sign, which makes -2^63 a valid
-/// integer.
+/// Checks a number literal and returns its typed expression. `negative` is true after a minus sign, which makes -2^63 a
+/// valid integer.
 pub(crate) fn number_literal(
     cx: &mut Body<'_, '_>,
     number: &Number,
@@ -107,7 +108,7 @@ pub(crate) fn number_literal(
     }
 }
 
-/// Checks a number with a unit and adds its expression.
+/// Checks a number with a unit and returns its typed expression.
 fn quantity_literal(cx: &mut Body<'_, '_>, quantity: &Quantity, span: Span) -> ExprId {
     match types::resolve_unit(cx, &quantity.unit) {
         Ok(None) => cx.error_expr(span),
@@ -123,8 +124,8 @@ fn quantity_literal(cx: &mut Body<'_, '_>, quantity: &Quantity, span: Span) -> E
     }
 }
 
-/// Reports a number without a unit where an angle is expected. SI treats the radian as dimensionless, so that unit
-/// checking alone would accept it.
+/// Reports a number without a unit where an angle is expected, and returns whether there is no such error. A check of
+/// units alone would accept the number, because SI treats the radian as dimensionless.
 pub(crate) fn check_angle_unit(cx: &mut Body<'_, '_>, id: ExprId, expected: &Ty) -> bool {
     let expr = cx.unit.expr(id);
     let (TypedKind::Literal(value), Ty::Real(found), Ty::Real(wanted)) =
@@ -142,7 +143,7 @@ pub(crate) fn check_angle_unit(cx: &mut Body<'_, '_>, id: ExprId, expected: &Ty)
     false
 }
 
-/// Checks `if c then x else y` and adds its expression.
+/// Checks `if c then x else y` and returns its typed expression.
 fn if_expr<'a>(cx: &mut Body<'_, 'a>, choice: &'a ast::IfExpr, span: Span) -> ExprId {
     if choice.is_static {
         return static_if_expr(cx, choice, span);
@@ -180,7 +181,8 @@ fn if_expr<'a>(cx: &mut Body<'_, 'a>, choice: &'a ast::IfExpr, span: Span) -> Ex
     )
 }
 
-/// Checks a branch of `if c then x else y`; `taken_if` is the value of the condition for which it is taken.
+/// Checks a branch of `if c then x else y` and returns its typed expression. `taken_if` is the value of the condition
+/// for which the branch is taken.
 fn check_branch<'a>(
     cx: &mut Body<'_, 'a>,
     condition: ExprId,
@@ -193,8 +195,8 @@ fn check_branch<'a>(
     id
 }
 
-/// Whether the current expression is in a branch that a constant condition never takes, such as the division in
-/// `if n = 0 then 0 else x div n`.
+/// Whether the current expression is in a branch of an `if` that a constant condition never takes, such as the division
+/// in `if n = 0 then 0 else x div n` for a constant `n` of 0.
 pub(crate) fn is_in_untaken_branch(cx: &mut Body<'_, '_>) -> bool {
     let branches = cx.bindings.branches.clone();
     branches.into_iter().any(|(condition, taken_if)| {
@@ -204,7 +206,7 @@ pub(crate) fn is_in_untaken_branch(cx: &mut Body<'_, '_>) -> bool {
     })
 }
 
-/// Checks `with c then x else y`: only the branch that is taken is checked.
+/// Checks `with c then x else y`, whose condition is constant. Only the branch that is taken is checked and returned.
 fn static_if_expr<'a>(cx: &mut Body<'_, 'a>, choice: &'a ast::IfExpr, span: Span) -> ExprId {
     let Some(taken) = consts::const_value(cx, &choice.condition, &Ty::Bool) else {
         return cx.error_expr(span);
@@ -215,7 +217,8 @@ fn static_if_expr<'a>(cx: &mut Body<'_, 'a>, choice: &'a ast::IfExpr, span: Span
     }
 }
 
-/// Returns the common type of two expressions; reports a mismatch at the second one, or at a number literal.
+/// Returns the common type of two expressions. Reports a mismatch at the second one, or at a number literal. `why`
+/// explains in the message why the types must be equal.
 pub(crate) fn common_type(cx: &mut Body<'_, '_>, a: ExprId, b: ExprId, why: &str) -> Ty {
     exact_time::unify_times(cx, a, b);
     match join(cx.ty_of(a), cx.ty_of(b)) {
@@ -235,10 +238,12 @@ pub(crate) fn common_type(cx: &mut Body<'_, '_>, a: ExprId, b: ExprId, why: &str
                 cx.span_of(model),
                 format!("this is `{expected}`; {why}"),
             );
+            let before = cx.diagnostics.len();
             report::type_mismatch(cx, odd, &expected, &misfit, &wanted);
+            hint_common_type(cx, before, &expected, odd);
             let both = report::is_number_literal(cx, a) && report::is_number_literal(cx, b);
             if both && let (Ty::Real(_), Ty::Int) = (&expected, cx.ty_of(odd)) {
-                soften_number_fix(cx);
+                soften_number_fix(cx, model);
                 return Ty::Unknown;
             }
             // Two arrays of different size: either size may be the intended one.
@@ -250,8 +255,26 @@ pub(crate) fn common_type(cx: &mut Body<'_, '_>, a: ExprId, b: ExprId, why: &str
     }
 }
 
-/// Adds to the last diagnostic that either `1` or `1.0` may be the wrong literal.
-fn soften_number_fix(cx: &mut Body<'_, '_>) {
+/// Replaces the help of a mismatch of a Boolean and a number, of which either may be the wrong one.
+fn hint_common_type(cx: &mut Body<'_, '_>, before: usize, expected: &Ty, odd: ExprId) {
+    let found = cx.ty_of(odd).clone();
+    let is_mixed = (*expected == Ty::Bool) != (found == Ty::Bool);
+    let numbers = [expected, &found];
+    let is_number = |ty: &&&Ty| matches!(ty, Ty::Int | Ty::Real(_));
+    if is_mixed
+        && numbers.iter().any(|ty| is_number(&ty))
+        && let Some(diagnostic) = cx.diagnostics.get_mut(before)
+    {
+        diagnostic.help = vec![format!("make both values `{expected}`, or both `{found}`")];
+        diagnostic.fixes.clear();
+    }
+}
+
+/// Adds to the last diagnostic that either `1` or `1.0` may be the wrong literal; `real` is the literal of a real.
+fn soften_number_fix(cx: &mut Body<'_, '_>, real: ExprId) {
+    let integer = number_fixes::integer_literal_fix(cx, real);
+    let index = cx.diagnostics.len().checked_sub(1);
+    cx.inference.integer_fix = index.zip(integer);
     if let Some(diagnostic) = cx.diagnostics.last_mut() {
         for fix in &mut diagnostic.fixes {
             fix.applicability = Applicability::Maybe;
@@ -261,7 +284,8 @@ fn soften_number_fix(cx: &mut Body<'_, '_>) {
     }
 }
 
-/// Checks `#(a, b, c)`, at most one operand is true, and `nor(a, b, c)`, none is.
+/// Checks `#(a, b, c)`, which is true if at most one operand is true, or `nor(a, b, c)`, which is true if none is true.
+/// Returns the typed expression.
 fn at_most_one_or_nor<'a>(
     cx: &mut Body<'_, 'a>,
     among: BoolListOp,
@@ -278,7 +302,7 @@ fn at_most_one_or_nor<'a>(
     }
 }
 
-/// Checks a Boolean operand or an array of Booleans; returns the Booleans.
+/// Checks an operand that must be a Boolean or an array of Booleans, and returns an expression for each Boolean.
 pub(crate) fn boolean_operands<'a>(cx: &mut Body<'_, 'a>, operand: &'a ast::Expr) -> Vec<ExprId> {
     let id = check_expr(cx, operand);
     if let Ty::Array(element, n) = cx.ty_of(id).clone() {
@@ -299,13 +323,13 @@ pub(crate) fn boolean_operands<'a>(cx: &mut Body<'_, 'a>, operand: &'a ast::Expr
     vec![id]
 }
 
-/// Adds an expression that is true if no operand is true.
+/// Adds an expression that is true if no operand is true, and returns it.
 fn none_of(cx: &mut Body<'_, '_>, operands: &[ExprId], span: Span) -> ExprId {
     let any = any_of(cx, operands, span);
     ops::logical_prim(cx, prim!("Core::BooleanNot"), &[any], span)
 }
 
-/// Adds the disjunction of the operands.
+/// Adds the disjunction of the operands (true if at least one is true) and returns it.
 fn any_of(cx: &mut Body<'_, '_>, operands: &[ExprId], span: Span) -> ExprId {
     let first = cx.add(TypedKind::Literal(Leaf::bool(false)), Ty::Bool, span);
     let or = |any: ExprId, next: &ExprId| {
@@ -314,7 +338,8 @@ fn any_of(cx: &mut Body<'_, '_>, operands: &[ExprId], span: Span) -> ExprId {
     operands.iter().fold(first, or)
 }
 
-/// Adds an expression that is true if at most one operand is true. Its size is linear in the number of operands.
+/// Adds an expression that is true if at most one operand is true, and returns it. Its size is linear in the number of
+/// operands.
 pub(crate) fn at_most_one(cx: &mut Body<'_, '_>, operands: &[ExprId], span: Span) -> ExprId {
     let [first, rest @ ..] = operands else {
         return cx.add(TypedKind::Literal(Leaf::bool(true)), Ty::Bool, span);
@@ -334,20 +359,20 @@ pub(crate) fn at_most_one(cx: &mut Body<'_, '_>, operands: &[ExprId], span: Span
     }
 }
 
-/// Checks a tuple.
+/// Checks a tuple `(x, y)` and returns its typed expression.
 fn tuple_expr<'a>(cx: &mut Body<'_, 'a>, elements: &'a [ast::Expr], span: Span) -> ExprId {
     let elements: Vec<ExprId> = elements.iter().map(|e| check_expr(cx, e)).collect();
     let ty = Ty::tuple(elements.iter().map(|id| cx.ty_of(*id).clone()));
     cx.add(TypedKind::Build(elements.into()), ty, span)
 }
 
-/// Returns the diagnostic for an integer literal that exceeds 64 bits.
+/// Returns the diagnostic for an integer literal that does not fit into 64 bits.
 fn integer_too_large(span: Span) -> Diagnostic {
     Diagnostic::new(Code::RPI2010, "the integer does not fit in 64 bits")
         .primary(span, "the range is -2^63 to 2^63 - 1")
 }
 
-/// Returns a literal with its sign; `None` on overflow.
+/// Returns the value of an integer literal with its sign; `None` if it does not fit into 64 bits.
 fn signed_literal(value: u64, negative: bool) -> Option<i64> {
     match negative {
         true => 0i64.checked_sub_unsigned(value),

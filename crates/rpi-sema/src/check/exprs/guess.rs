@@ -7,7 +7,8 @@ use rpi_syntax::ops::{BinaryOp, UnaryOp};
 
 use BinaryOp::{Add, And, Div, Ge, Gt, Implies, IntDiv, Le, Lt, Mod, Mul, Or, Sub, Xor};
 
-/// Returns the result type of a unary operator on an operand of unknown type; `Unknown` if it depends on that type.
+/// Returns the result type of a unary operator whose operand has an unknown type; `Unknown` if the result type depends
+/// on the operand.
 pub(crate) fn unary_guess(op: UnaryOp) -> Ty {
     match op {
         UnaryOp::Not => Ty::Bool,
@@ -17,12 +18,13 @@ pub(crate) fn unary_guess(op: UnaryOp) -> Ty {
     }
 }
 
-/// Whether the type of an operand says little about the result type.
+/// Whether the type of one operand does not determine the result type of a sum, as for points in time and integers.
 fn is_uninformative(ty: &Ty) -> bool {
     matches!(ty, Ty::Time | Ty::Int)
 }
 
-/// Returns the result type of a binary operator as far as it follows from the operand of known type, else `Unknown`.
+/// Returns the result type of a binary operator as far as it follows from the operand whose type is known; `Unknown` if
+/// it does not follow.
 pub(crate) fn binary_guess(op: BinaryOp, a: &Ty, b: &Ty) -> Ty {
     match op {
         _ if [a, b].iter().any(|ty| matches!(ty, Ty::Array(..))) => Ty::Unknown,
@@ -36,8 +38,8 @@ pub(crate) fn binary_guess(op: BinaryOp, a: &Ty, b: &Ty) -> Ty {
     }
 }
 
-/// Returns the result type of an operator guessed from an operand that is a number; `None` if the policy `by` forbids
-/// the guess.
+/// Returns the result type of a binary operator, guessed from the operand that is a number, while the type of the other
+/// operand is unknown. `None` if the operand is no number or the policy `by` forbids the guess.
 pub(crate) fn guess_from_number(by: GuessPolicy, op: BinaryOp, a: &Ty, b: &Ty) -> Option<Ty> {
     let known = if a.is_unknown() { b } else { a };
     let says = match known {

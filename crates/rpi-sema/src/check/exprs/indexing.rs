@@ -6,6 +6,7 @@ use crate::check::diagnostics::precedence_hints;
 use crate::check::diagnostics::report;
 use crate::check::diagnostics::report::ExpectationReason;
 use crate::check::exprs::access;
+use crate::check::exprs::bindings::{Binding, BindingValue};
 use crate::check::exprs::expr;
 use crate::check::signatures::unit;
 use crate::check::types::consts;
@@ -14,6 +15,7 @@ use crate::ty::Ty;
 use crate::typed::TypedKind;
 use crate::typed::{ExprId, Leaf};
 use rpi_diag::{Code, Diagnostic, Span};
+use rpi_syntax::Name;
 use rpi_syntax::ast::{Index, SliceBounds, SliceExpr};
 use std::rc::Rc;
 
@@ -21,13 +23,13 @@ use std::rc::Rc;
 struct ArrayRange {
     /// Index of the first element.
     from: u32,
-    /// Distance between two elements; negative in a descending slice.
+    /// Difference of the indices of two successive elements; negative in a descending slice.
     step: i32,
-    /// Number of elements.
+    /// Number of elements in the slice.
     len: u32,
 }
 
-/// Checks `base[index]`.
+/// Checks `base[index]` and returns its typed expression.
 pub(crate) fn index_access<'a>(cx: &mut Body<'_, 'a>, index: &'a Index, span: Span) -> ExprId {
     let base = expr::check_expr(cx, &index.base);
     if precedence_hints::is_unit_index(cx, base, &index.index) {
@@ -69,7 +71,8 @@ pub(crate) fn index_access<'a>(cx: &mut Body<'_, 'a>, index: &'a Index, span: Sp
     }
 }
 
-/// Checks `t[0]` of a Kind 2 tuple. The index must be constant, as each element has a type of its own.
+/// Checks `t[0]`, an element of a Kind 2 tuple, and returns its typed expression. The index must be constant, because
+/// each element has a type of its own. `members` are the elements of the tuple.
 fn tuple_index(
     cx: &mut Body<'_, '_>,
     base: ExprId,
@@ -93,7 +96,7 @@ fn tuple_index(
     cx.add(TypedKind::Part { base, at: from }, ty, span)
 }
 
-/// Returns the value of an integer expression if it is known at compile time.
+/// Returns the value of an integer expression if it is known at compile time; `None` otherwise.
 pub(crate) fn const_int(cx: &mut Body<'_, '_>, id: ExprId) -> Option<i64> {
     match &cx.unit.expr(id).kind {
         TypedKind::Literal(value) => value.as_int(),
@@ -104,7 +107,7 @@ pub(crate) fn const_int(cx: &mut Body<'_, '_>, id: ExprId) -> Option<i64> {
     }
 }
 
-/// Reports a key whose type is not the key type of the Kind 2 map.
+/// Reports a key `at` whose type is not the key type of the Kind 2 map `base`.
 fn check_map_key(cx: &mut Body<'_, '_>, base: ExprId, at: ExprId) {
     let found = cx.ty_of(at).clone();
     let Ty::Struct(map) = cx.ty_of(base) else {
@@ -117,7 +120,9 @@ fn check_map_key(cx: &mut Body<'_, '_>, base: ExprId, at: ExprId) {
         let diagnostic = Diagnostic::new(Code::RPI2001, message)
             .primary(cx.span_of(at), format!("this is `{found}`"))
             .secondary(cx.span_of(base), "the map")
-            .help("use a key of the type that the map is declared with");
+            .help(format!(
+                "use a key of type `{wanted}`, with which the map is declared"
+            ));
         report::report_diagnostic(cx, diagnostic);
     }
 }
@@ -134,7 +139,8 @@ fn report_not_an_array(cx: &mut Body<'_, '_>, base: ExprId, span: Span) -> ExprI
     cx.report_error_expr(diagnostic, span)
 }
 
-/// Returns an array index as `u32`; reports an index that is out of bounds.
+/// Returns the array index `k` as `u32`. Reports an index that is negative or not less than the size `n`, and returns
+/// `None`.
 pub(crate) fn checked_index(cx: &mut Body<'_, '_>, k: i64, n: u32, span: Span) -> Option<u32> {
     let index = u32::try_from(k).ok().filter(|k| *k < n);
     if index.is_none() {
@@ -146,16 +152,35 @@ pub(crate) fn checked_index(cx: &mut Body<'_, '_>, k: i64, n: u32, span: Span) -
                     rpi_diag::with_noun(n, "element")
                 ),
             )
-            .help(match n {
-                0 => "an array without elements cannot be indexed".to_owned(),
-                n => format!("use an index from 0 to {}", n - 1),
+            .help(match (n, current_index(cx)) {
+                (0, _) => "an array without elements cannot be indexed".to_owned(),
+                (_, Some((name, value))) => {
+                    let sign = if k < 0 { '>' } else { '<' };
+                    format!(
+                        "for `{name}` = {value} this is element {k}: give such elements a value of their own by `if {name} {sign} {value} then ... else ...`"
+                    )
+                }
+                (n, None) => format!("use an index from 0 to {}", n - 1),
             });
         report::report_diagnostic(cx, diagnostic);
     }
     index
 }
 
-/// Checks `base[from..to step s]`.
+/// Returns the index variable of the element equation being checked with its value, if there is exactly one.
+fn current_index(cx: &Body<'_, '_>) -> Option<(Name, i64)> {
+    let index = |binding: &Binding| match binding.value {
+        BindingValue::Index(value) => Some((binding.name.clone(), value)),
+        _ => None,
+    };
+    let all: Vec<(Name, i64)> = cx.bindings.bound_names.iter().filter_map(index).collect();
+    let (name, value) = all.last()?;
+    // The index variable is bound again wherever the equation is entered.
+    let is_only = all.iter().all(|(other, _)| other == name);
+    is_only.then(|| (name.clone(), *value))
+}
+
+/// Checks `base[from..to step s]` and returns its typed expression.
 pub(crate) fn slice_access<'a>(cx: &mut Body<'_, 'a>, slice: &'a SliceExpr, span: Span) -> ExprId {
     let base = expr::check_expr(cx, &slice.base);
     let Ty::Array(element, n) = cx.ty_of(base).clone() else {
@@ -231,8 +256,8 @@ pub(crate) fn not_indexable(cx: &mut Body<'_, '_>, ty: &Ty, span: Span) -> Optio
     None
 }
 
-/// Returns the first of the types between `map<` and `>`, the type of the keys. Commas inside brackets belong to a
-/// type.
+/// Returns the key type in `args`, the text after `map<` in the name of a Kind 2 map type. Commas inside of brackets
+/// belong to a type.
 fn map_key_type(args: &str) -> &str {
     let mut depth = 0;
     let end = args.find(|c| {

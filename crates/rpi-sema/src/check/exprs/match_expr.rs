@@ -21,20 +21,21 @@ use rpi_syntax::ast::{Arm, Ident, Match, Pattern};
 use rpi_syntax::ops::BinaryOp;
 use std::rc::Rc;
 
-/// A pattern, reduced to what the search for missing cases needs.
+/// Pattern of a `match`, reduced to what the search for missing cases needs: which alternatives it accepts.
 #[derive(Clone)]
 enum PatternShape {
-    /// Any value: a name or `_`.
+    /// The pattern accepts any value: it is a name or `_`.
     Wildcard,
-    /// The alternative of this index, with a pattern for each of its parts.
+    /// The pattern accepts values of the alternative with this index; it has a pattern for each part of the
+    /// alternative.
     Alternative(usize, Vec<PatternShape>),
 }
 
-/// Shape of the pattern that matches any value.
+/// Pattern that accepts any value.
 const WILDCARD: &PatternShape = &PatternShape::Wildcard;
 
-/// Maximum number of pattern rows examined in the search for missing cases, and again in the search for unreachable
-/// ones. The search is exponential in the worst case.
+/// Maximum number of patterns compared in the search for missing cases of a `match`, and again in the search for
+/// unreachable cases. The search takes exponential time in the worst case.
 const MAX_STEPS: usize = 100_000;
 
 /// A case of a `match`: its pattern, the conditions under which it is taken, and its value.
@@ -44,7 +45,7 @@ struct Case {
     value: ExprId,
 }
 
-/// Checks `match x with A: 1 | B(n): n end`; the result is a chain of `if` expressions.
+/// Checks `match x with A: 1 | B(n): n end` and returns its typed expression, a chain of `if` expressions.
 pub(crate) fn match_expr<'a>(cx: &mut Body<'_, 'a>, of: &'a Match, span: Span) -> ExprId {
     let value = expr::check_expr(cx, &of.value);
     let known = data::alternatives(cx, value);
@@ -98,7 +99,8 @@ fn conjunction(cx: &mut Body<'_, '_>, tests: &[ExprId], span: Span) -> Option<Ex
     Some(rest.iter().copied().fold(*first, and))
 }
 
-/// Checks a case of a `match`. The names in its pattern are in scope while its value is checked.
+/// Checks a case of a `match`. The names in its pattern can be read in its value. `value` is the matched value, and
+/// `is_known` is false if it has a reported error, so that the pattern is not checked.
 fn check_match_case<'a>(
     cx: &mut Body<'_, 'a>,
     value: ExprId,
@@ -127,7 +129,8 @@ fn check_match_case<'a>(
     }
 }
 
-/// Returns the shape of a pattern, adds its conditions to `tests` and binds its names to parts of the value.
+/// Checks a pattern against the expression `value` and returns its reduced form. Adds the conditions under which the
+/// pattern matches to `tests`, and lets the names in the pattern stand for parts of the value.
 fn check_pattern<'a>(
     cx: &mut Body<'_, 'a>,
     value: ExprId,
@@ -180,7 +183,8 @@ fn check_part_patterns<'a>(
     let (from, count) = parts_of_alternative(cx, &pattern.name.name, index);
     if count != pattern.parts.len() {
         let span = pattern.name.span;
-        data::report_part_count(cx, &pattern.name, count, pattern.parts.len(), span);
+        let parts = vec!["_"; count];
+        data::report_part_count(cx, &pattern.name, &parts, pattern.parts.len(), span);
         return vec![PatternShape::Wildcard; count];
     }
     let fields = cx.ty_of(value).members().to_vec();
@@ -198,7 +202,8 @@ fn check_part_patterns<'a>(
     shapes
 }
 
-/// Returns the index of the first struct field that holds a part of an alternative, and the number of its parts.
+/// Returns where the struct of a `datatype` stores the parts of the alternative `name`: the index of the first field,
+/// and the number of fields; (0, 0) if the alternative has no parts. `index` is the index of the alternative.
 fn parts_of_alternative(cx: &Body<'_, '_>, name: &Name, index: usize) -> (usize, usize) {
     let found = cx
         .checker
@@ -213,7 +218,8 @@ fn parts_of_alternative(cx: &Body<'_, '_>, name: &Name, index: usize) -> (usize,
     }
 }
 
-/// Reports missing cases and unreachable cases of a `match`.
+/// Reports missing cases and unreachable cases of a `match`. `all` has the alternatives of the type, and `value` is the
+/// matched value.
 fn check_exhaustiveness(
     cx: &mut Body<'_, '_>,
     all: &EnumTy,
@@ -281,7 +287,8 @@ fn not_covered(missing: &[String], span: Span) -> Diagnostic {
         .help("add a case for it, or a last case `_` for all others")
 }
 
-/// Returns the diagnostic for a case that no value reaches.
+/// Returns the diagnostic for a case of a `match` that no value reaches. `before` are the cases before it, and
+/// `pattern` is its pattern.
 fn unreachable_case(before: &[Arm], pattern: &Pattern) -> Diagnostic {
     let text = pattern_text(pattern);
     let mut before = before.iter().map(|arm| &arm.pattern);
@@ -301,7 +308,7 @@ fn unreachable_case(before: &[Arm], pattern: &Pattern) -> Diagnostic {
         .help("delete it, or move it before the more general cases")
 }
 
-/// Returns the diagnostic for a `match` with too many cases to search for missing ones.
+/// Returns the diagnostic for a `match` with so many cases that the search for missing ones was stopped.
 fn too_many_cases(span: Span) -> Diagnostic {
     let message = "too many combinations of cases to check for exhaustiveness";
     Diagnostic::new(Code::RPI1011, message)
@@ -318,7 +325,7 @@ fn pattern_text(pattern: &Pattern) -> String {
     }
 }
 
-/// Returns the enumeration of a type's alternatives; `None` if the type has none.
+/// Returns the enumeration of the alternatives of an enum or `datatype`; `None` for other types.
 fn alternatives_of(ty: &Ty) -> Option<&Rc<EnumTy>> {
     match ty {
         Ty::Enum(all) => Some(all),
@@ -332,15 +339,16 @@ fn alternatives_of(ty: &Ty) -> Option<&Rc<EnumTy>> {
     }
 }
 
-/// Search for values that no case of a `match` matches, with the number of its steps.
+/// Search for values that no case of a `match` matches, with the number of steps taken so far.
 struct UsefulnessSearch<'s, 'c, 'a> {
     body: &'s Body<'c, 'a>,
     steps: usize,
 }
 
 impl UsefulnessSearch<'_, '_, '_> {
-    /// Returns values of these types, as source text, that match `wanted` and none of the rows; `None` if there are
-    /// none, or at the step limit.
+    /// Searches for values of the types `types` that match the patterns `wanted` and none of the rows, which each have
+    /// a pattern for each value. Returns one such list of values as source text; `None` if there is none or the step
+    /// limit is reached.
     fn find_unmatched(
         &mut self,
         types: &[Ty],
@@ -383,7 +391,9 @@ impl UsefulnessSearch<'_, '_, '_> {
         }
     }
 
-    /// Does the same as [`Self::find_unmatched`] for a first value that has the alternative `index`.
+    /// Searches as [`Self::find_unmatched`] does, but only for a first value that is the alternative `index` of the
+    /// type `ty`. `types` and `rest` are for the other values, and `parts` are the patterns wanted for the parts of the
+    /// alternative.
     fn find_unmatched_alternative(
         &mut self,
         (ty, all, index): (&Ty, &Rc<EnumTy>, usize),

@@ -24,11 +24,12 @@ use crate::ty::Ty;
 use crate::typed::TypedKind;
 use crate::typed::predeclared::PREDECLARED_FLOWS;
 use crate::typed::{BlockId, ExprId, FlowId, Leaf, UnitKind};
-use rpi_diag::{Code, Diagnostic, Span};
+use rpi_diag::{Code, Diagnostic, Fix, Span};
 use rpi_syntax::Name;
 use rpi_syntax::ast::{self, CommandDecl, ExprKind};
 
-/// Resolves a plain or qualified name.
+/// Returns a typed expression that reads a plain or qualified name: a flow, constant, static parameter or predeclared
+/// name. Reports an undefined name.
 pub(crate) fn resolve_name(cx: &mut Body<'_, '_>, name: &Name, span: Span) -> ExprId {
     if let Some(bound) = bindings::read_binding(cx, name, span) {
         return bound;
@@ -84,7 +85,8 @@ fn not_a_value(
     cx.report_error_expr(diagnostic, span)
 }
 
-/// Reports a name that is a state of several automata and is read outside of them.
+/// Reports a name that is a state of several automata and is read outside of them. `first` and `second` are the
+/// locations of two of the states. Returns an expression without a value.
 pub(crate) fn ambiguous_state(
     cx: &mut Body<'_, '_>,
     name: &Name,
@@ -100,7 +102,7 @@ pub(crate) fn ambiguous_state(
     cx.report_error_expr(diagnostic, span)
 }
 
-/// Returns the constant or enum value of this name.
+/// Returns the declaration of the constant or enum value with this name; `None` if there is none.
 fn value_named(cx: &Body<'_, '_>, name: &Name) -> Option<DeclId> {
     let Lookup::Found(id) = cx
         .checker
@@ -113,7 +115,7 @@ fn value_named(cx: &Body<'_, '_>, name: &Name) -> Option<DeclId> {
     matches!(kind, DeclKind::Const(_) | DeclKind::EnumValue { .. }).then_some(id)
 }
 
-/// Adds an expression that reads a flow.
+/// Adds an expression that reads a flow and returns it.
 pub(crate) fn flow_expr(cx: &mut Body<'_, '_>, flow: FlowId, span: Span) -> ExprId {
     if cx.inference.is_running {
         type_inference::record_unknown_read(cx, flow, span);
@@ -122,7 +124,7 @@ pub(crate) fn flow_expr(cx: &mut Body<'_, '_>, flow: FlowId, span: Span) -> Expr
     cx.add(TypedKind::Flow(flow), ty, span)
 }
 
-/// Adds an expression for a constant.
+/// Adds an expression with the value of a constant and returns it.
 pub(crate) fn constant_expr(cx: &mut Body<'_, '_>, constant: &Constant, span: Span) -> ExprId {
     let kind = match &constant.leaves[..] {
         [one] => TypedKind::Literal(one.clone()),
@@ -159,7 +161,7 @@ fn resolve_declared(cx: &mut Body<'_, '_>, id: DeclId, span: Span) -> ExprId {
                     wrong_kind_of_name("a flow", &decl.name, "a frame", span, decl.span);
                 cx.report_error_expr(
                     diagnostic.help(format!(
-                        "declare its pose: `frame {0} in world = pose(...);`",
+                        "a frame has a pose if its declaration gives one: `frame {} in ... = pose(...);`",
                         decl.name
                     )),
                     span,
@@ -171,7 +173,9 @@ fn resolve_declared(cx: &mut Body<'_, '_>, id: DeclId, span: Span) -> ExprId {
 }
 
 fn not_a_flow(cx: &mut Body<'_, '_>, name: &str, is: &str, span: Span, declared: Span) -> ExprId {
-    cx.report_error_expr(wrong_kind_of_name("a flow", name, is, span, declared), span)
+    let diagnostic = wrong_kind_of_name("a flow", name, is, span, declared);
+    let help = "write a value here: a number, a flow or a constant";
+    cx.report_error_expr(diagnostic.help(help), span)
 }
 
 fn resolve_predeclared(cx: &mut Body<'_, '_>, name: &Name, span: Span) -> ExprId {
@@ -200,6 +204,16 @@ fn command_flow_in_function(cx: &mut Body<'_, '_>, name: &str, span: Span) -> Ex
     cx.report_error_expr(diagnostic, span)
 }
 
+/// Returns the name of the constant or enum value that is most similar to `name`; `None` if none is similar enough.
+fn similar_value(cx: &Body<'_, '_>, name: &Name) -> Option<String> {
+    let is_value = |id: DeclId| {
+        let kind = cx.checker.program.decl(id).kind;
+        matches!(kind, DeclKind::Const(_) | DeclKind::EnumValue { .. })
+    };
+    let values = cx.checker.program.visible_names(cx.module, is_value);
+    cx.checker.suggest(name, values)
+}
+
 fn undefined_flow(cx: &mut Body<'_, '_>, name: &Name, span: Span) -> ExprId {
     if let Some(value) = access::enum_value_by_path(cx, name, span) {
         return value;
@@ -211,20 +225,13 @@ fn undefined_flow(cx: &mut Body<'_, '_>, name: &Name, span: Span) -> ExprId {
         return cx.report_error_expr(diagnostic, span);
     }
     let near = cx.checker.suggest(name, locals::local_names(cx));
-    let is_value = |id: DeclId| {
-        let kind = cx.checker.program.decl(id).kind;
-        matches!(kind, DeclKind::Const(_) | DeclKind::EnumValue { .. })
-    };
-    let near = near.or_else(|| {
-        cx.checker
-            .suggest(name, cx.checker.program.visible_names(cx.module, is_value))
-    });
+    let near = near.or_else(|| similar_value(cx, name));
     if cx.unit.kind == UnitKind::Task {
         let diagnostic = undefined_name("device or parameter", name, span, near);
         report::report_diagnostic(
             cx,
             diagnostic.help(format!(
-                "declare the devices of a task as its parameters: `task {} (arm: Arm)`",
+                "declare the devices of a task as its parameters: `task {} ({name}: ...)`",
                 cx.unit.name
             )),
         );
@@ -244,6 +251,10 @@ fn undefined_flow(cx: &mut Body<'_, '_>, name: &Name, span: Span) -> ExprId {
         report::report_diagnostic(cx, diagnostic.help(help));
         return cx.error_expr(span);
     }
+    if let Some(diagnostic) = flow_of_fragment(cx, name, span) {
+        undefined_names::report_undefined_flow(cx, name, diagnostic);
+        return cx.error_expr(span);
+    }
     let is_meant = |_: &&str| !is_near || !foreign::is_common_word(name);
     match foreign::value_equivalent(name).filter(is_meant) {
         Some(here) => undefined_names::report_foreign_name(cx, "value", name, span, here),
@@ -258,7 +269,29 @@ fn undefined_flow(cx: &mut Body<'_, '_>, name: &Name, span: Span) -> ExprId {
     cx.error_expr(span)
 }
 
-/// Resolves `MoveToC.at_b`, the identity of a command's result; returns `None` if the name is not a command.
+/// Returns the diagnostic for reading a flow that only an inline fragment or a state in the current block declares.
+/// From outside, the flow must be read through the name of the fragment: `Filter.smooth`. `None` if no fragment or
+/// state declares the name.
+fn flow_of_fragment(cx: &Body<'_, '_>, name: &Name, span: Span) -> Option<Diagnostic> {
+    let unit = &cx.unit;
+    let mut alike = unit.flows.iter().filter(|flow| flow.name == *name);
+    let block = alike.find_map(|flow| {
+        let block = unit.block(flow.block);
+        let is_inside = block.parent == Some(cx.block) && !block.name.is_empty();
+        is_inside.then_some(&block.name)
+    })?;
+    let path = format!("{block}.{name}");
+    let message = format!("undefined flow `{name}`");
+    let diagnostic = Diagnostic::new(Code::RPI1001, message)
+        .primary(span, format!("declared in `{block}`, not here"))
+        .help(format!(
+            "read it through its fragment or state as `{path}`, and give a value by `?? ...` for the cycles in which `{block}` is inactive"
+        ));
+    Some(diagnostic.fix(Fix::maybe(format!("write `{path}`")).replace(span, path)))
+}
+
+/// Returns an expression for `MoveToC.at_b`: the identity (a number) of the result `at_b` of the command `MoveToC`.
+/// `None` if `name` is not a command.
 pub(crate) fn command_result(
     cx: &mut Body<'_, '_>,
     name: &Name,
@@ -289,7 +322,7 @@ pub(crate) fn command_result(
     Some(cx.add(TypedKind::Literal(Leaf::int(identity)), Ty::Result, span))
 }
 
-/// Resolves a name with parts, as in `export a.b`.
+/// Returns a typed expression for a dotted name, as in `export a.b`. Reports an undefined part.
 pub(crate) fn resolve_dotted<'a>(cx: &mut Body<'_, 'a>, dotted: &'a ast::Dotted) -> ExprId {
     let [first, rest @ ..] = &dotted.parts[..] else {
         return cx.error_expr(dotted.span);
@@ -307,13 +340,13 @@ pub(crate) fn resolve_dotted<'a>(cx: &mut Body<'_, 'a>, dotted: &'a ast::Dotted)
         .fold(base, |base, field| access::member_access(cx, base, field))
 }
 
-/// Returns the names of a command's results in text order.
+/// Returns the names of the results with which a command can end, in text order.
 pub(crate) fn result_names(command: &CommandDecl) -> Vec<&Name> {
     let ends = end_statements(command).into_iter();
     ends.map(|end| &end.result.name).collect()
 }
 
-/// Returns the statements that end a command, in text order.
+/// Returns the statements of a command that can end it, in text order.
 pub(crate) fn end_statements(command: &CommandDecl) -> Vec<&ast::CommandEnd> {
     let statements = command.body.statements.iter();
     let ends = statements.filter_map(|statement| match &statement.kind {
@@ -323,14 +356,15 @@ pub(crate) fn end_statements(command: &CommandDecl) -> Vec<&ast::CommandEnd> {
     ends.collect()
 }
 
-/// Returns the run-time identity of a result: the 64-bit FNV-1a hash (Fowler, Noll, Vo) of `Command.result`.
+/// Returns the run-time identity of a command's result: the 64-bit FNV-1a hash (Fowler, Noll, Vo) of `Command.result`,
+/// given as `path`.
 #[must_use]
 pub fn result_identity(path: &str) -> i64 {
     let step = |hash: u64, byte: u8| (hash ^ u64::from(byte)).wrapping_mul(0x0100_0000_01b3);
     path.bytes().fold(0xcbf2_9ce4_8422_2325, step).cast_signed()
 }
 
-/// Returns the name of an expression that is only a name, ignoring parentheses.
+/// Returns the name if an expression is only a name, with or without parentheses; `None` otherwise.
 pub(crate) fn plain_name(expr: &ast::Expr) -> Option<&Name> {
     match &expr.unparen().kind {
         ExprKind::Name(name) => Some(name),

@@ -11,17 +11,19 @@ use crate::check::types::consts;
 use crate::check::types::exact_time;
 use crate::check::types::frames;
 use crate::check::types::quantity;
-use crate::ty::{Geometry, Ty, join};
+use crate::ty::{Geometry, Ty, TypeMismatchError, join};
 use crate::typed::TypedKind;
 use crate::typed::{ExprId, Leaf, Unit};
 use crate::units::{Dimension, Ratio};
 use rpi_diag::{Code, Diagnostic, Span};
 use rpi_image::Scalar;
+use rpi_syntax::Name;
 use rpi_syntax::ast::{Binary, ExprKind};
 use rpi_syntax::ops::{Associativity, BinaryOp};
 use std::rc::Rc;
 
-/// Whether an expression is the integer 0: a literal, or one operation on literals.
+/// Whether an expression is the integer 0, written as a literal or as one operation on literals. Named constants do not
+/// count.
 pub(crate) fn is_zero(cx: &mut Body<'_, '_>, id: ExprId) -> bool {
     let literal = |unit: &Unit, id: ExprId| matches!(unit.expr(id).kind, TypedKind::Literal(_));
     let known = match &cx.unit.expr(id).kind {
@@ -36,7 +38,7 @@ pub(crate) fn is_zero(cx: &mut Body<'_, '_>, id: ExprId) -> bool {
     value.is_some_and(|leaves| leaves.first().and_then(Leaf::as_int) == Some(0))
 }
 
-/// Reports a division by zero, unless no cycle computes it.
+/// Reports a division whose divisor is the constant 0, unless the division is in a branch that is never taken.
 pub(crate) fn division_by_zero(cx: &mut Body<'_, '_>, op: BinaryOp, divisor: ExprId) {
     if expr::is_in_untaken_branch(cx) {
         return;
@@ -48,7 +50,8 @@ pub(crate) fn division_by_zero(cx: &mut Body<'_, '_>, op: BinaryOp, divisor: Exp
     report::report_diagnostic(cx, diagnostic);
 }
 
-/// Extends the fix that writes the first integer of `x * 2 + 1` as a real to the other integers of the expression.
+/// Extends the fix that writes the first integer literal of `x * 2 + 1` as a real to the other integer literals of the
+/// expression. `left` and `right` are the operands of an operator, one of which has a reported error.
 pub(crate) fn extend_real_fix(cx: &mut Body<'_, '_>, left: ExprId, right: ExprId) {
     let is_int =
         |body: &Body, id| report::is_number_literal(body, id) && *body.ty_of(id) == Ty::Int;
@@ -129,13 +132,30 @@ fn common_operand_type(cx: &mut Body<'_, '_>, op: BinaryOp, left: ExprId, right:
         (Err(misfit), ..) => {
             let wanted = ExpectationReason::Because(cx.span_of(left), format!("this is `{a}`"));
             report::type_mismatch(cx, right, &a, &misfit, &wanted);
+            if let TypeMismatchError::Frame { expected, found } = &misfit {
+                hint_one_frame(cx, (left, expected), (right, found));
+            }
             Ty::Unknown
         }
     }
 }
 
-/// Returns the type of a twist or wrench times or divided by a number, which must have no unit: the parts of the value
-/// have different units, so that of a product with a unit would have no name.
+/// Replaces the help of the reported frame mismatch of two operands: either may be in the wrong frame. A misspelt frame
+/// has a help of its own.
+fn hint_one_frame(cx: &mut Body<'_, '_>, left: (ExprId, &Name), right: (ExprId, &Name)) {
+    let (help, place) = (frames::one_frame_help(cx, left, right), cx.span_of(right.0));
+    if rpi_diag::suggest(right.1, std::iter::once(left.1.as_str())).is_some() {
+        return;
+    }
+    let reported = cx.diagnostics.last_mut();
+    let is_it = |it: &&mut Diagnostic| it.code == Code::RPI2005 && it.span() == place;
+    if let Some(diagnostic) = reported.filter(is_it) {
+        diagnostic.help = vec![help];
+    }
+}
+
+/// Returns the type of a twist or wrench that is multiplied or divided by a number. The number must have no unit: the
+/// parts of a twist or wrench have different units, and there is no type for their products with a unit.
 fn unitless_multiple(cx: &mut Body<'_, '_>, value: ExprId, number: ExprId) -> Ty {
     let ty = cx.ty_of(value).clone();
     let reason = format!("a `{ty}` is scaled by a number without unit");
@@ -146,8 +166,8 @@ fn unitless_multiple(cx: &mut Body<'_, '_>, value: ExprId, number: ExprId) -> Ty
     }
 }
 
-/// Returns the type of a power of a rotation. It rotates within the frame in which the rotation is given; it is not
-/// the orientation of any other frame.
+/// Returns the type of a power of a rotation. The result is a rotation within the frame in which `rotation` is given;
+/// it is no longer the orientation of a particular frame. Reports an exponent with a unit.
 fn rotation_power_type(cx: &mut Body<'_, '_>, rotation: ExprId, exponent: ExprId) -> Ty {
     let expected = ExpectationReason::Because(Span::NONE, "an exponent has no unit".into());
     if !statement::expect_type(cx, exponent, &Ty::REAL, &expected) {
@@ -165,7 +185,8 @@ fn rotation_power_type(cx: &mut Body<'_, '_>, rotation: ExprId, exponent: ExprId
     }
 }
 
-/// Returns the type of a product or quotient; `combine` multiplies or divides the dimensions.
+/// Returns the type of a product or quotient of values of the types `a` and `b`. `combine` multiplies or divides their
+/// dimensions and returns `None` if an exponent is out of range, which is reported at `at`.
 fn scaled_type(
     cx: &mut Body<'_, '_>,
     a: &Ty,
@@ -254,7 +275,7 @@ pub(crate) fn equality(
     cx.add(TypedKind::Equal { operands, negated }, Ty::Bool, span)
 }
 
-/// Whether this is a chained comparison `a < b < c`, which the parser has reported.
+/// Whether a comparison is part of a chained comparison `a < b < c`, which the parser has reported.
 pub(crate) fn is_chained_comparison(binary: &Binary) -> bool {
     let single = |op: BinaryOp| op.associativity() == Associativity::None;
     match &binary.lhs.kind {
@@ -263,7 +284,8 @@ pub(crate) fn is_chained_comparison(binary: &Binary) -> bool {
     }
 }
 
-/// Returns the machine type for the lookup of operators; `None` for enums, results, machine integers and durations.
+/// Returns the machine type by which the overloads of an operator are looked up; `None` for enums, results of commands,
+/// machine integers and durations, which have rules of their own.
 pub(crate) fn operand_scalar(ty: &Ty) -> Option<Scalar> {
     match ty {
         Ty::Enum(_) | Ty::Result | Ty::Machine(_) | Ty::Duration => None,
@@ -271,7 +293,7 @@ pub(crate) fn operand_scalar(ty: &Ty) -> Option<Scalar> {
     }
 }
 
-/// Returns the dimension of a factor, dividend or divisor; `None` if its type has no single dimension.
+/// Returns the physical dimension of a factor, dividend or divisor; `None` if its type has no single dimension.
 fn dim_of(ty: &Ty) -> Option<Dimension> {
     match ty {
         Ty::Real(dim) => Some(*dim),

@@ -30,24 +30,25 @@ use rpi_prims::PrimId;
 use rpi_syntax::ast::{self, Binary, ExprKind};
 use rpi_syntax::ops::{BinaryOp, UnaryOp};
 
-/// Rule that gives the result type of an operator for its operand types.
+/// Rule that gives the result type of an operator from its operand types.
 #[derive(Clone, Copy, PartialEq, Debug)]
 pub(crate) enum ResultRule {
-    /// The operands have the same type, which is also that of the result.
+    /// The operands have the same type, and the result has this type as well.
     Same,
     /// The operands have the same type; the result is a Boolean.
     Boolean,
-    /// The operator is a product: the dimensions are multiplied.
+    /// The operator is a product: the dimension of the result is the product of those of the operands.
     Product,
-    /// The operator is a quotient: the dimensions are divided.
+    /// The operator is a quotient: the dimension of the result is the quotient of those of the operands.
     Quotient,
-    /// The operator is a power with a constant exponent.
+    /// The operator is a power with a constant exponent: the dimension of the base is raised to it.
     Power,
-    /// The operator multiplies or divides a spatial value with units of its own by a number without unit.
+    /// The operator multiplies or divides a twist or wrench, whose parts have units of their own, by a number without
+    /// unit.
     Scale,
     /// The operator is a power of a rotation, with a number as exponent.
     RotationPower,
-    /// The operator composes poses: `(b in a) * (c in b)` is `(c in a)`.
+    /// The operator composes two poses: for `a` and `b` it computes `a * b`, where `(b in a) * (c in b)` is `(c in a)`.
     Compose,
     /// The operands are a point in time and seconds; the result is a point in time.
     TimePoint,
@@ -55,13 +56,13 @@ pub(crate) enum ResultRule {
     Seconds,
 }
 
-/// Overload of an operator: the primitive for operands of given machine types.
+/// Overload of a binary operator: the primitive that computes it for operands of two given machine types.
 pub(crate) struct Overload {
     pub(crate) op: BinaryOp,
     pub(crate) left: Scalar,
     pub(crate) right: Scalar,
     pub(crate) prim: PrimId,
-    /// Whether the primitive takes the right operand first.
+    /// Whether the primitive takes the right operand as its first in-port, as `a > b` can be computed by `b < a`.
     pub(crate) swapped: bool,
     pub(crate) rule: ResultRule,
 }
@@ -86,7 +87,7 @@ const fn overload(
 use BinaryOp::{Add, And, Div, Ge, Gt, Implies, IntDiv, Le, Lt, Mod, Mul, Or, Pow, Sub, Xor};
 use Scalar::{Bool, Int, Pose, Real, Rotation, Time, Twist, Vector, Wrench};
 
-/// All binary operators that one primitive implements, by operand types.
+/// All binary operators that are implemented by one primitive for each combination of operand types.
 #[rustfmt::skip]
 const BINARY: &[Overload] = &[
     overload(And,     (Bool, Bool),         prim!("Core::BooleanAnd"),        false, ResultRule::Boolean),
@@ -140,13 +141,13 @@ const BINARY: &[Overload] = &[
     overload(Sub,     (Time, Time),         prim!("Core::TimeDiff"),          false, ResultRule::Seconds),
 ];
 
-/// Ordering operators; their result is a Boolean.
+/// Operators that compare by size. Their result is a Boolean.
 pub(crate) const ORDERINGS: &[BinaryOp] = &[Lt, Le, Gt, Ge];
 
 /// Division primitives, which are undefined for a right operand of 0.
 const DIVISIONS: &[PrimId] = &[prim!("Core::IntDivide"), prim!("Rpi::IntModulo")];
 
-/// All unary operators that one primitive implements, by operand type.
+/// All unary operators that are implemented by one primitive for each operand type.
 #[rustfmt::skip]
 const UNARY: &[(UnaryOp, Scalar, PrimId)] = &[
     (UnaryOp::Not,    Bool,   prim!("Core::BooleanNot")),
@@ -159,7 +160,7 @@ const UNARY: &[(UnaryOp, Scalar, PrimId)] = &[
     (UnaryOp::ToReal, Int,    prim!("Core::DoubleFromInt")),
 ];
 
-/// Checks a unary operation `op operand`.
+/// Checks a unary operation `op operand` and returns its typed expression.
 pub(crate) fn unary<'a>(
     cx: &mut Body<'_, 'a>,
     op: UnaryOp,
@@ -181,7 +182,7 @@ pub(crate) fn unary<'a>(
     }
 }
 
-/// Checks a unary operator on a checked operand.
+/// Checks a unary operator on an operand that has been checked, and returns its typed expression.
 pub(crate) fn unary_prim(
     cx: &mut Body<'_, '_>,
     op: UnaryOp,
@@ -243,7 +244,7 @@ fn unsupported_operand(cx: &Body<'_, '_>, op: UnaryOp, operand: ExprId, ty: &Ty)
     let message = format!("`{}` cannot take `{ty}`", op.spelling());
     let diagnostic = Diagnostic::new(Code::RPI2006, message)
         .primary(cx.span_of(operand), format!("this is `{ty}`"));
-    quantity::with_operand_hint(diagnostic, op, ty, &report::operand_name(cx, operand))
+    quantity::with_operand_hint(diagnostic, op, ty, cx.span_of(operand))
 }
 
 fn pre<'a>(cx: &mut Body<'_, 'a>, operand: &'a ast::Expr, span: Span) -> ExprId {
@@ -259,7 +260,7 @@ fn pre<'a>(cx: &mut Body<'_, 'a>, operand: &'a ast::Expr, span: Span) -> ExprId 
     )
 }
 
-/// Checks a binary operation `lhs op rhs`.
+/// Checks a binary operation `lhs op rhs` and returns its typed expression.
 pub(crate) fn check_binary<'a>(cx: &mut Body<'_, 'a>, binary: &'a Binary, span: Span) -> ExprId {
     match binary.op {
         BinaryOp::Concat => compose::array_concat(cx, binary, span),
@@ -295,13 +296,13 @@ pub(crate) fn check_binary<'a>(cx: &mut Body<'_, 'a>, binary: &'a Binary, span: 
     }
 }
 
-/// Whether the left operand is an invalid sampled flow, as in `x when x > 0.0`, which has been reported. The comparison
-/// then reports no further error.
+/// Whether the left operand of a comparison is a sampled flow with a reported error, as in `x when x > 0.0`, which is
+/// parsed as `(x when x) > 0.0`. The comparison then reports no further error.
 fn is_invalid_sample(cx: &Body<'_, '_>, lhs: &ast::Expr, left: ExprId) -> bool {
     matches!(lhs.kind, ExprKind::When(_)) && matches!(cx.unit.expr(left).kind, TypedKind::Error)
 }
 
-/// Checks a binary operator on checked operands.
+/// Checks a binary operator on operands that have been checked, and returns its typed expression.
 pub(crate) fn binary_prim(
     cx: &mut Body<'_, '_>,
     op: BinaryOp,
@@ -359,7 +360,7 @@ pub(crate) fn binary_prim(
     prim::add_prim(cx, row.prim, &operands, ty, span)
 }
 
-/// Adds a logical operation on checked Booleans.
+/// Adds a logical operation on Booleans that have been checked, and returns it.
 pub(crate) fn logical_prim(
     cx: &mut Body<'_, '_>,
     prim: PrimId,
@@ -369,7 +370,7 @@ pub(crate) fn logical_prim(
     prim::add_prim(cx, prim, operands, Ty::Bool, span)
 }
 
-/// Checks `a fby b`, which is `a -> pre b`.
+/// Checks `a fby b`, which means `a -> pre b`, and returns its typed expression.
 fn fby<'a>(cx: &mut Body<'_, 'a>, binary: &'a Binary, span: Span) -> ExprId {
     cx.record_state(span);
     let left = expr::check_expr(cx, &binary.lhs);

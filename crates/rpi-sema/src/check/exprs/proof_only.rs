@@ -14,14 +14,15 @@ use crate::program::{DeclKind, Lookup, NameSpace};
 use crate::ty::{StructTy, Ty};
 use crate::typed::TypedKind;
 use crate::typed::{ExprId, UnitKind};
-use rpi_diag::{Code, Diagnostic, Span, Subject};
+use rpi_diag::{Code, Diagnostic, Quote, Span, Subject};
 use rpi_syntax::ast::{
-    self, Ascription, Call, Expr, NodeDef, NodeKind, Quantified, RefinementType, StaticArg,
-    TypeKind,
+    self, Ascription, Call, Expr, ExprKind, NodeDef, NodeKind, Quantified, RefinementType,
+    StaticArg, TypeKind,
 };
 use std::rc::Rc;
 
-/// Checks a quantifier `forall (x: int) c`. Its value is never computed.
+/// Checks a quantifier such as `forall (x: int) c` and returns its typed expression. Its value is never computed; only
+/// a model checker uses it.
 pub(crate) fn check_quantifier<'a>(
     cx: &mut Body<'_, 'a>,
     of: &'a Quantified,
@@ -52,29 +53,50 @@ pub(crate) fn check_quantifier<'a>(
     cx.add(TypedKind::Arbitrary, Ty::Bool, span)
 }
 
-/// Reports a quantifier over arrays, sets or maps.
+/// Reports a quantifier over arrays, sets or maps. `ty` is the type of the quantified variable.
 fn check_quantifiable(cx: &mut Body<'_, '_>, ty: &Ty, written: &ast::Type) {
     let has_elements = matches!(ty, Ty::Array(..)) || is_kind2_type(ty, &["set<", "map<"]);
     if has_elements {
         let message = format!("cannot quantify over `{ty}`");
         let diagnostic = Diagnostic::new(Code::RPI2014, message)
             .primary(written.span, "not a quantifiable type")
-            .help("quantify over an index: `forall (i: int) a[i] > 0`");
+            .help("quantify over numbers instead, such as the index of an array of the node: `forall (i: int) 0 <= i and i < 3 => ...`");
         report::report_diagnostic(cx, diagnostic);
     }
 }
 
-/// Reports a construct of Kind 2 that is checked but not executed.
+/// Reports a construct of Kind 2 that is checked but cannot be executed. `what` names the construct, and `why` is the
+/// reason.
 pub(crate) fn not_executable(cx: &mut Body<'_, '_>, what: &str, why: &str, span: Span) {
     let message = format!("{what} cannot be executed");
     let diagnostic = Diagnostic::new(Code::RPI0017, message)
         .primary(span, why)
-        .help("leave it to a model checker such as Kind 2, or write it without this construct")
+        .help(replacement_help(what))
         .about(Subject::Construct(what.to_owned()));
     report::report_diagnostic(cx, diagnostic);
 }
 
-/// Checks `subtype { x: T | c }` and returns `T`; the condition is for provers.
+/// Returns what a program that runs can use in place of a construct that is for provers only.
+fn replacement_help(construct: &str) -> &'static str {
+    match construct {
+        "a quantifier" => {
+            "state it as `check ...;`, which a model checker such as Kind 2 proves, or compute it over the elements of an array with `red`"
+        }
+        "a set" | "a map" => {
+            "store the elements in an array of a fixed size, such as `int^8`, with the number of used elements; or leave the node to a model checker such as Kind 2"
+        }
+        "a history" => {
+            "read the values of earlier cycles with `pre`, or leave the node to a model checker such as Kind 2"
+        }
+        "a machine integer of more than 64 bits" => {
+            "use at most 64 bits, or several machine integers; or leave the node to a model checker such as Kind 2"
+        }
+        _ => "leave it to a model checker such as Kind 2, or write it without this construct",
+    }
+}
+
+/// Checks `subtype { x: T | c }` and returns the type `T`. The condition `c` is not enforced at run time; only provers
+/// use it.
 pub(crate) fn refinement_type<'a>(cx: &mut Body<'_, 'a>, refined: &'a RefinementType) -> Ty {
     let base = types::resolve_type(cx, &refined.base);
     let in_quantifier = cx.bindings.forbidden.is_some() || check_in_quantifier(cx);
@@ -89,7 +111,7 @@ pub(crate) fn refinement_type<'a>(cx: &mut Body<'_, 'a>, refined: &'a Refinement
     base
 }
 
-/// Whether a quantified variable is in scope.
+/// Returns whether the current expression is inside of a quantifier.
 pub(crate) fn check_in_quantifier(cx: &Body<'_, '_>) -> bool {
     cx.bindings
         .bound_names
@@ -97,16 +119,25 @@ pub(crate) fn check_in_quantifier(cx: &Body<'_, '_>) -> bool {
         .any(crate::check::exprs::bindings::Binding::is_quantified)
 }
 
-/// Checks a type ascription `(x: T)`.
+/// Checks a type ascription `(x: T)`, which states the type of a value, and returns the typed expression of `x`.
 pub(crate) fn ascription<'a>(cx: &mut Body<'_, 'a>, of: &'a Ascription) -> ExprId {
     let value = expr::check_expr(cx, &of.value);
     let ty = types::resolve_type(cx, &of.ty);
+    let before = cx.diagnostics.len();
     statement::expect_type(
         cx,
         value,
         &ty,
         &ExpectationReason::Because(of.ty.span, "expected because of this type".into()),
     );
+    let help = format!(
+        "write the type of the value, `({}: {})`, or leave it out",
+        Quote::text(cx.span_of(value)),
+        cx.ty_of(value)
+    );
+    if let Some(diagnostic) = cx.diagnostics.get_mut(before) {
+        diagnostic.help = vec![help];
+    }
     if is_temporal_type(cx, &of.ty) && bindings::reads_binding(cx, &of.value) {
         let diagnostic =
             Diagnostic::new(Code::RPI2014, "a quantified variable has no earlier cycles")
@@ -120,7 +151,7 @@ pub(crate) fn ascription<'a>(cx: &mut Body<'_, 'a>, of: &'a Ascription) -> ExprI
     value
 }
 
-/// Whether the condition of a type refers to earlier cycles.
+/// Whether a type is declared with a condition that refers to earlier cycles, as by `pre`.
 fn is_temporal_type(cx: &Body<'_, '_>, ty: &ast::Type) -> bool {
     match &ty.kind {
         TypeKind::Named(named) => {
@@ -135,7 +166,8 @@ fn is_temporal_type(cx: &Body<'_, '_>, ty: &ast::Type) -> bool {
     }
 }
 
-/// Reports a call inside a quantifier if the callee has state or no known body.
+/// Reports a call inside of a quantifier that depends on the quantified variable, if the callee has state or no known
+/// body.
 pub(crate) fn check_call_in_quantifier<'a>(
     cx: &mut Body<'_, 'a>,
     call: &'a Call,
@@ -165,7 +197,7 @@ pub(crate) fn check_call_in_quantifier<'a>(
     }
 }
 
-/// Checks the empty set `{}@<T>`.
+/// Checks the empty set `{}@<T>` of Kind 2 and returns its typed expression.
 pub(crate) fn empty_set<'a>(cx: &mut Body<'_, 'a>, types: &'a [StaticArg], span: Span) -> ExprId {
     let known: Vec<Ty> = types
         .iter()
@@ -179,7 +211,7 @@ pub(crate) fn empty_set<'a>(cx: &mut Body<'_, 'a>, types: &'a [StaticArg], span:
     cx.add(TypedKind::Arbitrary, ty, span)
 }
 
-/// Checks the membership `x in s`.
+/// Checks the membership test `x in s` of Kind 2 and returns its typed expression.
 pub(crate) fn membership<'a>(
     cx: &mut Body<'_, 'a>,
     lhs: &'a Expr,
@@ -194,15 +226,31 @@ pub(crate) fn membership<'a>(
             format!("`in` cannot take `{found}` and `{of}`"),
         )
         .primary(rhs.span, format!("this is `{of}`"))
-        .help(
-            "compare with each value: `x = 1 or x = 2`; a range has two bounds: `x >= 1 and x <= 5`",
-        );
+        .help(comparison_help(lhs, rhs));
         report::report_diagnostic(cx, diagnostic);
     }
     cx.add(TypedKind::Arbitrary, Ty::Bool, span)
 }
 
-/// Reports a nondeterministic value in a constant.
+/// Returns the comparisons for `x in [1, 2]`: with each value, and with the first and the last one as bounds.
+fn comparison_help(lhs: &Expr, rhs: &Expr) -> String {
+    let value = Quote::operand(lhs.span);
+    let elements = match &rhs.unparen().kind {
+        ExprKind::Array(elements) => &elements[..],
+        _ => &[],
+    };
+    match elements {
+        [first, .., last] => {
+            let [first, last] = [first, last].map(|bound| Quote::operand(bound.span));
+            format!(
+                "for two values write `{value} = {first} or {value} = {last}`; for a range, `{value} >= {first} and {value} <= {last}`"
+            )
+        }
+        _ => format!("compare with each value: `{value} = ... or {value} = ...`"),
+    }
+}
+
+/// Reports a nondeterministic value in the definition of a constant.
 pub(crate) fn nondeterminism_in_constant(cx: &mut Body<'_, '_>, span: Span) {
     if cx.unit.kind == UnitKind::Constant {
         let diagnostic = Diagnostic::new(Code::RPI2008, "a constant is needed here")
@@ -212,16 +260,16 @@ pub(crate) fn nondeterminism_in_constant(cx: &mut Body<'_, '_>, span: Span) {
     }
 }
 
-/// Reason why sets and maps are not executed.
+/// Reason, for messages, why sets and maps of Kind 2 are not executed.
 pub(crate) const WHY_NO_SETS: &str =
     "its size is unbounded, and a control core does not allocate memory at run time";
 
-/// Returns the type `set<T>` of Kind 2 for an element type `T`. Values of it cannot be computed.
+/// Returns the type `set<T>` of Kind 2 for an element type `T`. Values of this type cannot be computed.
 pub(crate) fn set_type(element: &Ty) -> Ty {
     opaque_type(format!("set<{element}>"))
 }
 
-/// Creates a type of Kind 2 of which only the name is known.
+/// Returns a type of Kind 2 of which the compiler knows only the name.
 pub(crate) fn opaque_type(name: String) -> Ty {
     Ty::Struct(Rc::new(StructTy {
         name: name.into(),

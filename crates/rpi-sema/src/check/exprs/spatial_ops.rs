@@ -18,7 +18,7 @@ use rpi_prims::PrimId;
 use rpi_syntax::ast::StaticArg;
 use std::rc::Rc;
 
-/// A spatial operator in call syntax.
+/// Operator on vectors, rotations and poses in call syntax.
 #[derive(Clone, Copy, PartialEq, Debug)]
 pub(crate) enum SpatialOp {
     /// `vector(x, y, z)`: vector of three reals with the same unit.
@@ -29,7 +29,7 @@ pub(crate) enum SpatialOp {
     Cross,
     /// `norm(v)`: length of a vector, in its own unit.
     Norm,
-    /// `inverse(p)`: the pose of `b` in `a` for the pose of `a` in `b`; likewise for rotations.
+    /// `inverse(p)`: the inverse of a pose or rotation. The pose of `a` in `b` gives the pose of `b` in `a`.
     Inverse,
 }
 
@@ -71,8 +71,8 @@ impl SpatialOp {
     }
 }
 
-/// Returns the dimension of the components of `Vector<<real[m/s]>>`, if it is given. Other spatial types take no
-/// static arguments.
+/// Returns the dimension in the static argument of a spatial type, as in `Vector<<real[m/s]>>`. `None` without static
+/// arguments or after an error. Spatial types other than vectors take no static arguments.
 pub(crate) fn component_dim<'a>(
     cx: &mut Body<'_, 'a>,
     scalar: Scalar,
@@ -87,18 +87,28 @@ pub(crate) fn component_dim<'a>(
         (_, Ty::Unknown, _) => return None,
         _ => {}
     }
-    let message = match scalar {
-        Scalar::Vector => "the components of a vector must be reals".to_owned(),
-        _ => format!("`{scalar}` has no static arguments"),
+    let (message, label, help) = match scalar {
+        Scalar::Vector => (
+            "the components of a vector must be reals".to_owned(),
+            "not a type of reals",
+            "give the type of the components, such as `Vector<<real[m/s]>>` for a velocity"
+                .to_owned(),
+        ),
+        _ => (
+            format!("`{scalar}` has no static arguments"),
+            "unexpected static argument",
+            format!("write `{scalar}` alone"),
+        ),
     };
     let diagnostic = Diagnostic::new(Code::RPI1010, message)
-        .primary(of.span, "invalid static argument")
-        .help("write a velocity vector as `Vector<<real[m/s]>>`");
+        .primary(of.span, label)
+        .help(help);
     report::report_diagnostic(cx, diagnostic);
     None
 }
 
-/// Checks a spatial operator; the caller has checked the number of operands.
+/// Checks an operator on spatial values and returns its typed expression. The caller has checked the number of
+/// operands.
 pub(crate) fn spatial_op(
     cx: &mut Body<'_, '_>,
     op: SpatialOp,
@@ -142,7 +152,7 @@ fn vector_op(cx: &mut Body<'_, '_>, parts: &[ExprId], span: Span) -> ExprId {
     prim::add_prim(cx, prim!("World::VectorFromXYZ"), parts, ty, span)
 }
 
-/// Checks the inverse: `(b in a)` for `(a in b)`.
+/// Checks `inverse(p)` and returns its typed expression. A pose `(a in b)` becomes `(b in a)`.
 fn inverse(cx: &mut Body<'_, '_>, operand: ExprId, span: Span) -> ExprId {
     let (prim, scalar, geometry) = match cx.ty_of(operand).clone() {
         Ty::Spatial(Scalar::Pose, of) => (prim!("World::FrameInvert"), Scalar::Pose, of),
@@ -170,7 +180,8 @@ fn inverse(cx: &mut Body<'_, '_>, operand: ExprId, span: Span) -> ExprId {
     )
 }
 
-/// Checks a product of two vectors: their units are multiplied, and both must be in the same frame.
+/// Checks a product of two vectors, computed by the primitive `prim`, and returns its typed expression. The units are
+/// multiplied, and both vectors must be in the same frame.
 fn vector_product(cx: &mut Body<'_, '_>, prim: PrimId, operands: &[ExprId], span: Span) -> ExprId {
     let dims = operands.iter().map(|id| match cx.ty_of(*id) {
         Ty::Spatial(_, geometry) => geometry.dim,
@@ -191,7 +202,8 @@ fn vector_product(cx: &mut Body<'_, '_>, prim: PrimId, operands: &[ExprId], span
     prim::add_prim(cx, prim, operands, ty, span)
 }
 
-/// Returns the common geometry of vectors in one frame; reports a mismatch.
+/// Returns the frame and, for a single operand, the unit that the vectors have in common. Reports vectors in different
+/// frames and returns `None`.
 fn common_vector_geometry(cx: &mut Body<'_, '_>, operands: &[ExprId]) -> Option<Geometry> {
     let mut common = Ty::spatial(Scalar::Vector);
     for operand in operands {

@@ -15,12 +15,13 @@ use crate::ty::{Geometry, Ty, join};
 use crate::typed::ExprId;
 use crate::typed::TypedKind;
 use crate::units::{BaseDim, Dimension};
-use rpi_diag::{Code, Diagnostic, Fix, Span};
+use rpi_diag::{Code, Diagnostic, Fix, Quote, Span};
 use rpi_image::Scalar;
 use rpi_syntax::ast::{FieldValue, Ident, StructExpr};
 use std::rc::Rc;
 
-/// Parts of spatial values: type, name, primitive that decomposes the value, index of the out-port.
+/// Parts of spatial values: the type of the value, the name of the part, the primitive that decomposes the value, and
+/// the index of the primitive's out-port with the part.
 pub(crate) const SPATIAL_PARTS: &[(Scalar, &str, &str, u32)] = &[
     (Scalar::Vector, "x", "World::VectorToXYZ", 0),
     (Scalar::Vector, "y", "World::VectorToXYZ", 1),
@@ -33,7 +34,8 @@ pub(crate) const SPATIAL_PARTS: &[(Scalar, &str, &str, u32)] = &[
     (Scalar::Wrench, "torque", "Rpi::WrenchToParts", 1),
 ];
 
-/// Primitives that compose a spatial value. Their in-ports are the parts in the order of [`SPATIAL_PARTS`].
+/// Primitives that compose a spatial value of each type. Their in-ports are the parts in the order of
+/// [`SPATIAL_PARTS`].
 const COMPOSE_PRIMS: &[(Scalar, &str)] = &[
     (Scalar::Vector, "World::VectorFromXYZ"),
     (Scalar::Pose, "World::FrameFromPosRot"),
@@ -41,13 +43,14 @@ const COMPOSE_PRIMS: &[(Scalar, &str)] = &[
     (Scalar::Wrench, "Rpi::WrenchFromParts"),
 ];
 
-/// Returns the names of the parts of a spatial type; a rotation has none.
+/// Returns the names of the parts of a spatial type, such as `x`, `y` and `z`; none for a rotation.
 fn part_names(scalar: Scalar) -> impl Iterator<Item = &'static str> {
     let rows = SPATIAL_PARTS.iter().filter(move |row| row.0 == scalar);
     rows.map(|row| row.1)
 }
 
-/// Checks a read of a part of a spatial value.
+/// Checks a read of the part `field` of a spatial value, as in `p.position`, and returns its typed expression. Reports
+/// an unknown part.
 pub(crate) fn spatial_part(
     cx: &mut Body<'_, '_>,
     base: ExprId,
@@ -66,14 +69,15 @@ pub(crate) fn spatial_part(
     cx.add(TypedKind::Part { base, at: *port }, ty, span)
 }
 
-/// Returns the spatial type of a struct expression, unless a declaration has its name.
+/// Returns the spatial type whose name a struct literal such as `Pose{...}` has. `None` for other names, or if a
+/// declaration of the program has the name.
 pub(crate) fn spatial_struct_type(cx: &Body<'_, '_>, value: &StructExpr) -> Option<Scalar> {
     let is_it = |row: &&(Scalar, &str)| row.0.name() == value.ty.name.as_str();
     let (scalar, _) = COMPOSE_PRIMS.iter().find(is_it)?;
     types::is_undeclared_type(cx, &value.ty.name).then_some(*scalar)
 }
 
-/// Checks `Pose{position = p; rotation = r}` or `Pose{p with rotation = r}`.
+/// Checks `Pose{position = p; rotation = r}` or `Pose{p with rotation = r}` and returns its typed expression.
 pub(crate) fn spatial_value<'a>(
     cx: &mut Body<'_, 'a>,
     scalar: Scalar,
@@ -106,8 +110,8 @@ pub(crate) fn spatial_value<'a>(
     compose_spatial(cx, &known, &parts, span)
 }
 
-/// Returns the parts of a spatial value in their order; those that are not given are taken from the base. Reports
-/// missing and unknown parts.
+/// Returns the parts of a spatial value in their order. Parts that are not given are taken from the value `base`.
+/// Reports missing and unknown parts and returns `None`.
 fn given_parts(
     cx: &mut Body<'_, '_>,
     scalar: Scalar,
@@ -135,7 +139,11 @@ fn given_parts(
     }
     for (field, _) in given {
         if part_names(scalar).all(|name| field.field.name != name) {
-            report::report_diagnostic(cx, unknown_part(scalar, &field.field, PartSyntax::Literal));
+            let at = PartSyntax::Literal {
+                base: base.map(|base| cx.span_of(base)),
+                value: field.value.span,
+            };
+            report::report_diagnostic(cx, unknown_part(scalar, &field.field, at));
         }
     }
     if !left_out.is_empty() && !report::has_error_since(cx, before) {
@@ -154,8 +162,8 @@ fn base_part(cx: &mut Body<'_, '_>, base: ExprId, name: &str, span: Span) -> Exp
     spatial_part(cx, base, &Ident { name, span }, span)
 }
 
-/// Composes a spatial value of partly known type from all its parts. Units and frames of the parts must be
-/// compatible; they complete the type of the whole.
+/// Adds an expression that composes a spatial value from all its parts, and returns it. `known` is the type as far as
+/// it is known. Units and frames of the parts must be compatible; they complete the type.
 fn compose_spatial(cx: &mut Body<'_, '_>, known: &Ty, parts: &[ExprId], span: Span) -> ExprId {
     let Ty::Spatial(scalar, geometry) = known else {
         return cx.error_expr(span);
@@ -189,7 +197,8 @@ fn compose_spatial(cx: &mut Body<'_, '_>, known: &Ty, parts: &[ExprId], span: Sp
     }
 }
 
-/// Replaces the part `field` of a spatial value, which must have this part.
+/// Returns an expression for the spatial value `base` with the part `field` replaced by `new`. The type of `base` must
+/// have this part.
 pub(crate) fn replace_part(
     cx: &mut Body<'_, '_>,
     base: ExprId,
@@ -211,16 +220,17 @@ pub(crate) fn replace_part(
     compose_spatial(cx, &known, &parts, span)
 }
 
-/// Way in which a program names a part of a spatial value.
+/// Syntax with which a program names a part of a spatial value, for messages.
 #[derive(Clone, Copy, PartialEq)]
 enum PartSyntax {
-    /// Path: `p.x`, `(p with .x = ..)`.
+    /// As a path: `p.x`, `(p with .x = ..)`.
     Path,
-    /// Literal: `Pose{x = ..}`.
-    Literal,
+    /// Literal: `Pose{x = ..}` or `Pose{base with x = ..}`.
+    Literal { base: Option<Span>, value: Span },
 }
 
-/// Returns the diagnostic for a part that a spatial type does not have.
+/// Returns the diagnostic for a part `field` that a spatial type does not have. `at` is the syntax in which the part is
+/// named.
 fn unknown_part(scalar: Scalar, field: &Ident, at: PartSyntax) -> Diagnostic {
     let near = rpi_diag::suggest(&field.name, part_names(scalar));
     let unlike = near.is_none();
@@ -230,9 +240,18 @@ fn unknown_part(scalar: Scalar, field: &Ident, at: PartSyntax) -> Diagnostic {
             let meant = format!("position.{}", field.name);
             diagnostic.fix(Fix::sure(format!("write `{meant}`")).replace(field.span, meant))
         }
-        (Scalar::Pose, "x" | "y" | "z", PartSyntax::Literal) => diagnostic.help(format!(
-            "replace a single coordinate by `(p with .position.{} = ..)`",
-            field.name
+        (
+            Scalar::Pose,
+            "x" | "y" | "z",
+            PartSyntax::Literal {
+                base: Some(base),
+                value,
+            },
+        ) => diagnostic.help(format!(
+            "a single coordinate is replaced by `({} with .position.{} = {})`",
+            Quote::text(base),
+            field.name,
+            Quote::text(value)
         )),
         (Scalar::Rotation, ..) => diagnostic
             .help("a rotation has no named parts; `rotation_about(axis, angle)` makes one"),
@@ -249,7 +268,8 @@ fn force_dimension() -> Option<Dimension> {
     Dimension::base(BaseDim::Mass).times(acceleration)
 }
 
-/// Returns the type of a part of a spatial value, with the unit and the frames that follow from the whole.
+/// Returns the type of the part `field` of a spatial value. Its unit and frames follow from `geometry`, those of the
+/// whole value.
 fn part_type(scalar: Scalar, geometry: &Rc<Geometry>, field: &str) -> Ty {
     let in_frame = geometry.in_frame.clone();
     let vector = |dim| {

@@ -26,14 +26,15 @@ use rpi_syntax::Name;
 use rpi_syntax::ast::{Access, Change, Expr, Ident, Update};
 use std::rc::Rc;
 
-/// Change of one part of a value: path of the part, new value, and location.
+/// Change of one part of a value: the path from the value to the part, the new value of the part, and the location of
+/// the change.
 struct PartUpdate<'a> {
     path: &'a [Access],
     value: ExprId,
     span: Span,
 }
 
-/// Checks an update `(base with [2] = x; .f[1] = y)`.
+/// Checks an update `(base with [2] = x; .f[1] = y)` and returns the typed expression of the changed value.
 pub(crate) fn check_update<'a>(cx: &mut Body<'_, 'a>, update: &'a Update, span: Span) -> ExprId {
     if update.is_keyed && is_map_literal(cx, &update.base) {
         return map_literal(cx, update, span);
@@ -49,7 +50,7 @@ pub(crate) fn check_update<'a>(cx: &mut Body<'_, 'a>, update: &'a Update, span: 
         .fold(base, |base, change| apply_change(cx, base, change, span))
 }
 
-/// Whether `map[1 := x]` of Kind 2 is a map literal: `map` is not a flow or static parameter.
+/// Whether `map[1 := x]` of Kind 2 is a map literal, because `map` is neither a flow nor a static parameter here.
 fn is_map_literal(cx: &Body<'_, '_>, base: &Expr) -> bool {
     let is_free =
         |name: &Name| locals::find_local(cx, name).is_none() && !cx.statics.contains_key(name);
@@ -68,7 +69,8 @@ fn map_literal<'a>(cx: &mut Body<'_, 'a>, update: &'a Update, span: Span) -> Exp
     cx.error_expr(span)
 }
 
-/// Checks an update `base[key := value]` of Kind 2; in a struct the key is the name of a field.
+/// Checks an update `base[key := value]` of Kind 2 and returns the typed expression of the changed value. For a struct,
+/// the key is the name of a field.
 fn keyed_update<'a>(cx: &mut Body<'_, 'a>, base: ExprId, change: &'a Change, span: Span) -> ExprId {
     let ty = cx.ty_of(base).clone();
     let field = match (&change.path[..], &ty) {
@@ -113,7 +115,7 @@ fn apply_change<'a>(cx: &mut Body<'_, 'a>, base: ExprId, change: &'a Change, spa
     }
 }
 
-/// Returns a value with the part at a path replaced; `None` after a reported error.
+/// Returns an expression for the value `base` with the part at a path replaced; `None` after an error.
 fn replace_at_path<'a>(
     cx: &mut Body<'_, 'a>,
     base: ExprId,
@@ -121,7 +123,7 @@ fn replace_at_path<'a>(
 ) -> Option<ExprId> {
     let ty = cx.ty_of(base).clone();
     let Some((first, rest)) = part.path.split_first() else {
-        statement::expect_type(cx, part.value, &ty, &ExpectationReason::Unexplained);
+        expect_part_type(cx, part.value, &ty);
         return Some(part.value);
     };
     let inside = PartUpdate {
@@ -163,7 +165,14 @@ fn replace_at_path<'a>(
     replace_at_leaf(cx, base, at, inner, &inside)
 }
 
-/// Returns a value with the part at a known leaf index replaced.
+/// Reports a new value whose type differs from `part`, the type of the part that it replaces.
+fn expect_part_type(cx: &mut Body<'_, '_>, value: ExprId, part: &Ty) {
+    let why = ExpectationReason::Because(Span::NONE, format!("the replaced part is `{part}`"));
+    statement::expect_type(cx, value, part, &why);
+}
+
+/// Returns an expression for the value `base` with a part replaced; `None` after an error. The part has the type
+/// `inner` and starts at the leaf (scalar part) with index `at`. `inside` is the change within this part.
 fn replace_at_leaf<'a>(
     cx: &mut Body<'_, 'a>,
     base: ExprId,
@@ -174,7 +183,7 @@ fn replace_at_leaf<'a>(
     let ty = cx.ty_of(base).clone();
     let value = match inside.path {
         [] => {
-            statement::expect_type(cx, inside.value, &inner, &ExpectationReason::Unexplained);
+            expect_part_type(cx, inside.value, &inner);
             inside.value
         }
         _ => {
@@ -185,7 +194,8 @@ fn replace_at_leaf<'a>(
     Some(cx.add(TypedKind::Replace { base, at, value }, ty, inside.span))
 }
 
-/// Returns an array with the element at a run-time index replaced.
+/// Returns an expression for the array `base` with the element at an index that is known only at run time replaced;
+/// `None` after an error. `inside` is the change within the element.
 fn replace_at_index<'a>(
     cx: &mut Body<'_, 'a>,
     base: ExprId,
@@ -234,8 +244,8 @@ fn replace_at_index<'a>(
     ))
 }
 
-/// Selects the second of two values if two integers are equal, else the first. An `if` would compute the new value
-/// only where it is chosen; here it is computed once for all elements.
+/// Returns an expression that selects the second of two values if the two operands are equal integers, else the first.
+/// Both values are computed in every cycle; an `if` would compute the new value separately for each element.
 fn select_if_equal(
     cx: &mut Body<'_, '_>,
     operands: [ExprId; 2],

@@ -10,32 +10,34 @@ use crate::ty::{Member, Ty};
 use crate::typed::Leaf;
 use rpi_diag::{Code, Diagnostic, Span};
 
-/// Maximum depth of nested expressions and declarations at which another declaration is still checked. The parser
-/// limits the nesting within one expression.
+/// Maximum number of nested expressions and declarations in progress at which a further declaration is checked. The
+/// parser limits the nesting within one expression.
 const MAX_NESTING: u32 = 420;
 
-/// Maximum length of a chain of aliases.
+/// Maximum number of aliases in a chain such as `node f = g; node g = h;`.
 const MAX_ALIAS_CHAIN: usize = 64;
 
-/// Maximum nesting of structs and arrays in a type.
+/// Maximum number of levels of structs and arrays in a type.
 const MAX_TYPE_DEPTH: u32 = 420;
 
-/// Maximum number of parts of a struct, over all levels.
+/// Maximum number of fields and elements of a struct, over all levels.
 const MAX_STRUCT_PARTS: usize = MAX_LEAVES;
 
-/// Maximum number of expressions and flows of all units, in addition to the share that grows with the source text.
+/// Maximum number of expressions and flows in all units of a program, in addition to a share that grows with the source
+/// text.
 const MAX_EXPANDED_SIZE: usize = 320_000;
 
-/// Number of expressions allowed for each byte of source text.
+/// Number of further expressions and flows allowed for each byte of source text.
 const EXPRS_PER_BYTE: usize = 4;
 
-/// Number of leaves of constants that count as one expression.
+/// Number of leaves (scalar parts) of constants that count as one expression in the size of a program.
 const LEAVES_PER_EXPR: usize = 4;
 
-/// Number of parts of a value that count as one expression.
+/// Number of parts of the value of an expression that count as one further expression in the size of a program.
 const PARTS_PER_EXPR: usize = 16;
 
-/// Maximum number of parts of one value, over all levels: an array of [`MAX_LEAVES`] leaves, with what holds them.
+/// Maximum number of parts of one value, over all levels. An array of [`MAX_LEAVES`] leaves (scalar parts) and the
+/// parts that contain them are allowed.
 const MAX_VALUE_PARTS: usize = 2 * MAX_LEAVES;
 
 /// Returns the maximum number of expressions and flows of all units of a program.
@@ -43,7 +45,8 @@ pub(crate) fn max_expanded_size(program: &Program<'_>) -> usize {
     MAX_EXPANDED_SIZE + EXPRS_PER_BYTE * program.text_len()
 }
 
-/// Whether another element or instance may be expanded; reports the limit once if not.
+/// Whether the size of the program is below its limit, so that another array element or instance can be added. Reports
+/// an excess once.
 pub(crate) fn may_expand(cx: &mut Body<'_, '_>, span: Span) -> bool {
     let may =
         cx.checker.limits.expanded_size + cx.unit.exprs.len() < cx.checker.limits.max_expanded_size;
@@ -53,7 +56,8 @@ pub(crate) fn may_expand(cx: &mut Body<'_, '_>, span: Span) -> bool {
     may
 }
 
-/// Whether a constant with these leaves may be stored; reports the limit once if not.
+/// Whether a constant with these leaves (scalar parts) can be stored within the limit on the size of the program.
+/// Reports an excess once.
 pub(crate) fn may_store_constant(checker: &mut Checker<'_>, leaves: &[Leaf], span: Span) -> bool {
     checker.limits.expanded_size += leaves.len() / LEAVES_PER_EXPR;
     let may = checker.limits.expanded_size < checker.limits.max_expanded_size;
@@ -63,7 +67,7 @@ pub(crate) fn may_store_constant(checker: &mut Checker<'_>, leaves: &[Leaf], spa
     may
 }
 
-/// Reports once that the expanded program is too large.
+/// Reports at `span` that the program with all its instances and elements is too large. Only the first call reports it.
 pub(crate) fn program_too_large(checker: &mut Checker<'_>, span: Span) {
     if std::mem::replace(&mut checker.limits.size_reported, true) {
         return;
@@ -74,12 +78,13 @@ pub(crate) fn program_too_large(checker: &mut Checker<'_>, span: Span) {
     checker.diagnostics.push(diagnostic.help("use smaller sizes: iterators expand to one copy per element, generic nodes to one per choice of static arguments"));
 }
 
-/// Whether a declaration that the current one needs may be checked now; reports the limit once if not.
+/// Whether the declaration of kind `what` that the current one needs can be checked within the limit on nesting.
+/// Reports an excess once.
 pub(crate) fn may_nest(checker: &mut Checker<'_>, what: &str, span: Span) -> bool {
     check_nesting_limit(checker, checker.limits.nesting < MAX_NESTING, what, span)
 }
 
-/// Whether another alias may be resolved; reports the limit once if not.
+/// Whether another alias in a chain of aliases can be resolved within the limit. Reports an excess once.
 pub(crate) fn may_alias(checker: &mut Checker<'_>, span: Span) -> bool {
     check_nesting_limit(
         checker,
@@ -103,7 +108,8 @@ fn check_nesting_limit(checker: &mut Checker<'_>, may: bool, what: &str, span: S
     may
 }
 
-/// Runs `work` one nesting level deeper, for a declaration that another one needs.
+/// Runs `work`, the check of a declaration that another one needs, with the nesting level increased by one, and returns
+/// its result.
 pub(crate) fn check_nested<'a, T>(
     checker: &mut Checker<'a>,
     work: impl FnOnce(&mut Checker<'a>) -> T,
@@ -114,9 +120,9 @@ pub(crate) fn check_nested<'a, T>(
     result
 }
 
-/// Whether an expression may have a value of this type; reports it if not. Tuples of tuples double in size with every
-/// line, so the size is counted before anything is computed for each part, and the values of all expressions together
-/// are limited, too.
+/// Whether an expression may have a value of this type. Reports a value with too many parts. The parts are counted
+/// before anything is computed for each part, because tuples of tuples can double in size with every line; the total
+/// for all expressions is limited, too.
 pub(crate) fn may_hold(cx: &mut Body<'_, '_>, ty: &Ty, span: Span) -> bool {
     if !matches!(ty, Ty::Tuple(_) | Ty::Array(..) | Ty::Struct(_)) {
         return true;
@@ -143,13 +149,13 @@ pub(crate) fn may_hold(cx: &mut Body<'_, '_>, ty: &Ty, span: Span) -> bool {
     }
 }
 
-/// Whether a struct type with these fields has few enough parts and levels.
+/// Whether a struct type with these fields is within the limits on the number of parts and levels.
 pub(crate) fn is_within_size_limits(fields: &[Member]) -> bool {
     total_part_count(fields, MAX_TYPE_DEPTH, MAX_STRUCT_PARTS).is_some()
 }
 
-/// Returns the number of parts of a type, itself included; `None` above `most` parts or `levels` levels. Counting stops
-/// at the limit.
+/// Returns the number of parts of a type, including the whole; `None` if there are more than `most` parts or `levels`
+/// levels. Counting stops at the limit.
 fn part_count(ty: &Ty, levels: u32, most: usize) -> Option<usize> {
     let below = levels.checked_sub(1)?;
     let count = match ty {

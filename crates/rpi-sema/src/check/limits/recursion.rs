@@ -7,14 +7,14 @@ use crate::typed::TypedKind;
 use crate::typed::{Unit, UnitId, UnitKind};
 use rpi_diag::{Code, Diagnostic, Span};
 
-/// Call from one unit to another, or step of a task that runs one, with its location.
+/// Call of a unit, or step of a task that runs a unit: the called unit, and the location of the call.
 #[derive(Clone, Copy)]
 struct CallEdge {
     to: UnitId,
     span: Span,
 }
 
-/// Returns a diagnostic for each unit that calls itself, and for each dependency cycle of calls.
+/// Returns a diagnostic for each dependency cycle of calls, including units that call themselves.
 pub(crate) fn check(units: &[Unit]) -> Vec<Diagnostic> {
     let calls: Vec<Vec<CallEdge>> = units.iter().map(call_edges).collect();
     let mut diagnostics = Vec::new();
@@ -49,8 +49,8 @@ fn call_edges(unit: &Unit) -> Vec<CallEdge> {
     calls.chain(run).collect()
 }
 
-/// Returns the units on dependency cycles of calls and those that lead to one: units without calls to remaining units
-/// are removed repeatedly, as in Kahn's topological sort.
+/// Returns the indices of the units on dependency cycles of calls, and of those that call such a unit. Units without
+/// calls of remaining units are removed repeatedly, as in Kahn's topological sort.
 fn cyclic_units(calls: &[Vec<CallEdge>]) -> Vec<usize> {
     let mut open: Vec<usize> = calls.iter().map(Vec::len).collect();
     let mut callers: Vec<Vec<usize>> = vec![Vec::new(); calls.len()];
@@ -71,7 +71,8 @@ fn cyclic_units(calls: &[Vec<CallEdge>]) -> Vec<usize> {
     (0..calls.len()).filter(|unit| open[*unit] > 0).collect()
 }
 
-/// Returns the shortest path of calls from a unit back to itself, by breadth-first search; empty if there is none.
+/// Returns the shortest path of calls from the unit with index `start` back to itself, by breadth-first search; empty
+/// if there is none. `calls` has the calls of each unit.
 fn shortest_cycle(calls: &[Vec<CallEdge>], start: usize) -> Vec<CallEdge> {
     let mut reached: Vec<Option<(usize, CallEdge)>> = vec![None; calls.len()];
     let mut queue = std::collections::VecDeque::from([start]);
@@ -100,33 +101,45 @@ fn shortest_cycle(calls: &[Vec<CallEdge>], start: usize) -> Vec<CallEdge> {
     ring
 }
 
-const CALL_HELP: &str = "calls are inlined: use `pre` to iterate over cycles, or a recursion over static parameters that ends by `with` to iterate over sizes";
+/// Returns the advice for a node that calls itself.
+fn call_help(node: &str) -> String {
+    format!(
+        "calls are inlined, so that none may lead back: read the value of the previous cycle by `pre`, or count a static parameter down: `with n = 0 then ... else {node}<<n - 1>>(...)`"
+    )
+}
 
-const TASK_HELP: &str = "tasks are inlined: use `repeat let ... tel` to repeat steps without end, or `on r then step` to go back to a step";
+const TASK_HELP: &str = "tasks are inlined: use `repeat let ... tel` to repeat steps without end, or go back to a named step by a branch: `on any then ...`";
 
-/// Maximum number of calls shown in a diagnostic.
+/// Maximum number of calls of a dependency cycle that a diagnostic shows.
 const MAX_SHOWN_CALLS: usize = 20;
 
 fn recursion_diagnostic(units: &[Unit], start: usize, ring: &[CallEdge]) -> Diagnostic {
     let name = |step: &CallEdge| units[step.to.0 as usize].name.clone();
     let first = units[start].name.clone();
+    // A contract has no equations: its calls are imports of other contracts.
+    let is_contract = units[start].is_contract;
+    let (verb, participle) = match is_contract {
+        true => ("imports", "imported"),
+        false => ("calls", "called"),
+    };
     let message = match ring {
-        [_] => format!("`{first}` calls itself"),
+        [_] => format!("`{first}` {verb} itself"),
         _ => {
             let way: Vec<String> = ring
                 .iter()
                 .take(MAX_SHOWN_CALLS)
                 .map(|step| format!("`{}`", name(step)))
                 .collect();
-            format!("`{first}` calls itself: `{first}` -> {}", way.join(" -> "))
+            format!("`{first}` {verb} itself: `{first}` -> {}", way.join(" -> "))
         }
     };
     let mut diagnostic = Diagnostic::new(Code::RPI1011, message).help(match units[start].kind {
-        UnitKind::Task => TASK_HELP,
-        _ => CALL_HELP,
+        UnitKind::Task => TASK_HELP.to_owned(),
+        _ if is_contract => "delete one of these imports; clauses that several contracts need can stand in a contract of their own, which imports none of them".to_owned(),
+        _ => call_help(&first),
     });
     for (k, step) in ring.iter().take(MAX_SHOWN_CALLS).enumerate() {
-        let text = format!("`{}` is called here", name(step));
+        let text = format!("`{}` is {participle} here", name(step));
         diagnostic = match k {
             0 => diagnostic.primary(step.span, text),
             _ => diagnostic.secondary(step.span, text),

@@ -24,7 +24,7 @@ use crate::program::DeclId;
 use crate::ty::Ty;
 use crate::typed::Activation;
 use crate::typed::{DeclaredClock, Equation, FlowId, FlowRole, Target, TargetPlace};
-use rpi_diag::{Severity, Span};
+use rpi_diag::{Code, Severity, Span};
 use rpi_syntax::Name;
 use rpi_syntax::ast::{Callee, Ident};
 use std::rc::Rc;
@@ -39,7 +39,8 @@ pub(crate) struct PortSignatures {
 pub(crate) struct PortSignature {
     pub(crate) name: Name,
     pub(crate) ty: Ty,
-    /// Port that is the condition of this port's clock, and the value for which the clock ticks.
+    /// Clock of the port: the name of the port that is its condition, and the value of that port for which the clock
+    /// ticks. `None` if the port has a value in every cycle.
     clock: Option<(Name, u32)>,
     optional: bool,
     span: Span,
@@ -69,8 +70,8 @@ impl From<&Port> for PortSignature {
     }
 }
 
-/// Returns the header of a callable although the static arguments `open` are missing. Returns `None` if the ports
-/// or the body depend on these arguments.
+/// Returns the ports of a callable although the static arguments `open` are missing. Returns `None` if the ports or the
+/// body depend on these arguments.
 pub(crate) fn header_with_open_statics(
     checker: &mut Checker<'_>,
     id: DeclId,
@@ -96,8 +97,8 @@ pub(crate) fn header_with_open_statics(
     unread.then(|| header.clone())
 }
 
-/// Whether an alias is defined by itself, directly or through other aliases. Each such dependency cycle is reported
-/// once.
+/// Whether the alias `id` is defined by itself, directly or through other aliases. Each such dependency cycle is
+/// reported once.
 pub(crate) fn is_cyclic_alias(checker: &mut Checker<'_>, id: DeclId) -> bool {
     if checker.cyclic_aliases.contains(&id) {
         return true;
@@ -110,7 +111,8 @@ pub(crate) fn is_cyclic_alias(checker: &mut Checker<'_>, id: DeclId) -> bool {
     is_ring
 }
 
-/// Declares the ports of the alias: those of its target that no static argument fixes.
+/// Declares the ports of an alias (`node f = g<<3>>;`). They are the ports of its target `callee` that no static
+/// argument fixes.
 pub(crate) fn declare_alias_ports<'a>(cx: &mut Body<'_, 'a>, callee: &'a Callee) {
     let callable = callee::resolve_callable(cx, &callee.name.name, &callee.statics, callee.span);
     let ports = callable.and_then(|callable| callable_ports(cx, &callable, callee.span));
@@ -140,7 +142,8 @@ fn declare_port_like(cx: &mut Body<'_, '_>, port: &PortSignature, role: FlowRole
     locals::declare_flow(cx, &name, &ty, role)
 }
 
-/// Gives the flows declared for an alias the clocks of the target's ports.
+/// Gives the flows declared for the ports of an alias the clocks of the ports of its target. `ports` are the ports of
+/// the target, in the same order.
 fn copy_clocks(cx: &mut Body<'_, '_>, ports: &PortSignatures) {
     let flows = cx.unit.inputs.iter().chain(&cx.unit.outputs);
     let flows: Vec<FlowId> = flows.copied().collect();
@@ -160,7 +163,7 @@ fn copy_clocks(cx: &mut Body<'_, '_>, ports: &PortSignatures) {
     }
 }
 
-/// Returns the ports of a callable; `None` if they depend on the arguments of the call.
+/// Returns the ports of a callable; `None` if they depend on the arguments of the call, as for an operator.
 pub(crate) fn callable_ports(
     cx: &mut Body<'_, '_>,
     callable: &Callable,
@@ -234,7 +237,8 @@ fn unit_ports(
     })
 }
 
-/// Checks the body of an alias: one call of the target that connects all in-ports and out-ports.
+/// Checks the body of an alias: adds an equation with one call of the target `callee` that connects all in-ports and
+/// out-ports.
 pub(crate) fn check_alias<'a>(cx: &mut Body<'_, 'a>, callee: &'a Callee) {
     let span = callee.span;
     let callable = callee::resolve_callable(cx, &callee.name.name, &callee.statics, span);
@@ -244,7 +248,9 @@ pub(crate) fn check_alias<'a>(cx: &mut Body<'_, 'a>, callee: &'a Callee) {
     let args = cx.unit.inputs.clone().into_iter();
     let given = args.map(|flow| CallArgument::positional(names::flow_expr(cx, flow, span)));
     let given = given.collect();
+    let before = cx.diagnostics.len();
     let value = call::call_callable(cx, &callable, given, Activation::Always, span);
+    label_passed_ports(cx, before);
     let targets = cx.unit.outputs.iter().map(|id| Target {
         place: TargetPlace::Flow { flow: *id, at: 0 },
         ty: cx.unit.flow(*id).ty.clone(),
@@ -256,4 +262,17 @@ pub(crate) fn check_alias<'a>(cx: &mut Body<'_, 'a>, callee: &'a Callee) {
         span,
     };
     cx.current_block().equations.push(equation);
+}
+
+/// Adds to the diagnostics about the call of an alias's target that the alias passes its own in-ports on.
+fn label_passed_ports(cx: &mut Body<'_, '_>, before: usize) {
+    let (alias, declared) = (cx.unit.name.clone(), cx.unit.span);
+    let new = cx.diagnostics.iter_mut().skip(before);
+    for diagnostic in new.filter(|diagnostic| diagnostic.code == Code::RPI1010) {
+        let text = format!("`{alias}` passes only its own in-ports on");
+        diagnostic.add_secondary(declared, text);
+        diagnostic.help.push(format!(
+            "declare the same in-ports for `{alias}`, or give it a body that calls the node"
+        ));
+    }
 }

@@ -32,8 +32,8 @@ pub(crate) fn static_callable<'a>(cx: &mut Body<'_, 'a>, arg: &'a StaticArg) -> 
     }
 }
 
-/// Returns the diagnostic for a callable whose ports differ from those of a node parameter, as far as both are
-/// known.
+/// Returns the diagnostic for a callable whose ports differ from those that `signature`, a static parameter of
+/// declaration `id`, requires; `None` if the ports match, or as far as they are not known.
 pub(crate) fn port_mismatch<'a>(
     cx: &mut Body<'_, 'a>,
     id: DeclId,
@@ -74,12 +74,13 @@ pub(crate) fn port_mismatch<'a>(
     None
 }
 
-/// Resolves a callable that is passed as a static argument.
+/// Returns the callable that is passed as a static argument; `None` after an error.
 pub(crate) fn static_callee<'a>(cx: &mut Body<'_, 'a>, arg: &'a StaticArg) -> Option<Callable> {
     static_callable(cx, arg)
 }
 
-/// Returns the diagnostic for a node whose ports do not match a node parameter.
+/// Returns the diagnostic for a node whose ports do not match `signature`, the static parameter for which it is passed.
+/// `what` is the difference, with the expected and the actual value.
 fn node_port_mismatch<T: std::fmt::Display>(
     signature: &Signature,
     span: Span,

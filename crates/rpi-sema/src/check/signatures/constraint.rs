@@ -19,27 +19,28 @@ use rpi_syntax::Name;
 use rpi_syntax::ast::Ident;
 use std::rc::Rc;
 
-/// Set of types allowed for a type parameter.
+/// Set of types that a type parameter may stand for, as in `type T: number`.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub(crate) enum Constraint {
     /// Allows all types.
     Any,
     /// Allows `int`, `time` and `real` of any unit.
     Number,
-    /// Allows `int` and `real` without a unit. Unlike `Number`, this set is closed under products.
+    /// Allows `int` and `real` without a unit. Unlike `Number`, this set contains the products of its types.
     Dimensionless,
     /// Allows `real` of any unit.
     Real,
 }
 
-/// Constraints that can be written, largest set of types first.
+/// Constraints with a keyword, the one with the largest set of types first.
 pub(crate) const CONSTRAINTS: [Constraint; 3] = [
     Constraint::Number,
     Constraint::Real,
     Constraint::Dimensionless,
 ];
 
-/// Returns the keyword of each constraint and a description of its types, for editors and documentation.
+/// Returns the keyword of each constraint on type parameters and a description of the types that it allows, for editors
+/// and documentation.
 pub(crate) fn constraints() -> impl Iterator<Item = (&'static str, &'static str)> {
     let all = CONSTRAINTS.into_iter();
     all.map(|constraint| (constraint.keyword(), constraint.description()))
@@ -50,7 +51,7 @@ impl Constraint {
         CONSTRAINTS.into_iter().find(|one| one.keyword() == word)
     }
 
-    /// Returns the keyword; empty for `Any`.
+    /// Returns the keyword of the constraint; empty for `Any`.
     pub(crate) fn keyword(self) -> &'static str {
         match self {
             Constraint::Any => "",
@@ -82,8 +83,8 @@ impl Constraint {
         }
     }
 
-    /// Returns sample types: a body that is correct for these is correct for all allowed types. Reals have the free
-    /// unit `unit`.
+    /// Returns sample types for a type parameter `name` with this constraint: a generic body without errors for these
+    /// has no errors for any allowed type. Sample types that are real have the unit `unit`, which stands for any unit.
     pub(crate) fn sample_types(self, name: &Name, unit: Dimension) -> Vec<Ty> {
         match self {
             Constraint::Any => vec![opaque_type(name)],
@@ -94,7 +95,8 @@ impl Constraint {
     }
 }
 
-/// Returns a type that equals only itself, to check a generic body for an unknown type of this name.
+/// Returns a type that is equal to itself only. A generic body is checked with it in place of the type parameter `name`
+/// if any type is allowed.
 pub(crate) fn opaque_type(name: &Name) -> Ty {
     Ty::Struct(Rc::new(StructTy {
         name: name.clone(),
@@ -103,13 +105,13 @@ pub(crate) fn opaque_type(name: &Name) -> Ty {
     }))
 }
 
-/// Returns the written constraint; `Any` without one or after an error.
+/// Returns the constraint with the keyword `constraint`; `Any` without a keyword or for an unknown one.
 pub(crate) fn parse_constraint(constraint: Option<&Ident>) -> Constraint {
     let known = constraint.and_then(|ident| Constraint::from_keyword(&ident.name));
     known.unwrap_or(Constraint::Any)
 }
 
-/// Returns the diagnostic for an unknown constraint; `None` for a known one.
+/// Returns the diagnostic for an unknown keyword of a constraint; `None` for a known one.
 pub(crate) fn unknown_constraint(constraint: &Ident) -> Option<Diagnostic> {
     let word = &constraint.name;
     if Constraint::from_keyword(word).is_some() {
@@ -126,7 +128,8 @@ pub(crate) fn unknown_constraint(constraint: &Ident) -> Option<Diagnostic> {
     Some(diagnostic.did_you_mean(constraint.span, near))
 }
 
-/// Whether the static arguments of a callable satisfy its constraints; reports the first violation.
+/// Whether the static arguments of the callable `id` satisfy the constraints on its type parameters. Reports the first
+/// violation.
 pub(crate) fn check_constraints(
     cx: &mut Body<'_, '_>,
     id: DeclId,
@@ -158,15 +161,26 @@ pub(crate) fn check_constraints(
     true
 }
 
-/// Returns the diagnostic for a type that violates a constraint.
+/// Returns the diagnostic for a type argument `ty` that the constraint `wanted` of the type parameter `name` does not
+/// allow. `of` is the name of the callable.
 fn constraint_violation(of: &Name, name: &Ident, wanted: Constraint, ty: &Ty) -> Diagnostic {
     let message = format!("`{of}` is not defined for values of type `{ty}`");
     let diagnostic = Diagnostic::new(Code::RPI2019, message);
     match (wanted, ty) {
-        (Constraint::Real, Ty::Int) => diagnostic.help("convert the arguments: `real n`"),
+        (Constraint::Real, Ty::Int) => {
+            diagnostic.help("convert the integers to reals: `real` before each")
+        }
         (Constraint::Dimensionless, Ty::Real(dim)) => {
             diagnostic.help(quantity::plain_number_help(*dim))
         }
+        (_, Ty::Bool) => diagnostic.help(format!(
+            "Booleans are combined by `and`, `or` and `xor`; `{of}` needs values for which `{}` is {}",
+            name.name,
+            wanted.description()
+        )),
+        (_, Ty::Array(element, n)) if wanted.allows(element) => diagnostic.help(format!(
+            "apply it to the elements one by one: `map<<{of}, {n}>>(...)`"
+        )),
         _ => diagnostic.help(format!(
             "pass values for which `{}` is {}",
             name.name,

@@ -6,6 +6,7 @@
 //! of Lustre are textual (V6) or [opaque](super::sample) (Kind 2), and are not checked here.
 
 use crate::check::Checker;
+use crate::check::diagnostics::report::join_names;
 use crate::check::signatures::constraint::CONSTRAINTS;
 use crate::check::signatures::constraint::Constraint;
 use crate::check::signatures::constraint::parse_constraint;
@@ -25,27 +26,28 @@ use rpi_diag::{Code, Diagnostic, Edit, Fix, Severity, Span};
 use rpi_syntax::ast::Ident;
 use std::rc::Rc;
 
-/// Maximum number of combinations of sample types with which one declaration is checked.
+/// Maximum number of combinations of sample types for which the body of one generic declaration is checked.
 const MAX_COMBINATIONS: usize = 16;
 
-/// Type parameter with its constraint.
+/// Type parameter of a generic declaration with its constraint.
 #[derive(Clone, Copy)]
 struct TypeParam<'a> {
     name: &'a Ident,
     constraint: Constraint,
-    /// Constraint in the source text, if there is one.
+    /// Keyword of the constraint in the source text; `None` if no constraint is written.
     constraint_ident: Option<&'a Ident>,
-    /// Index of the free unit that its samples use; `None` if the free units are used by other parameters.
+    /// Index of the free unit (which stands for any unit) in the sample types of this parameter; `None` if the sample
+    /// types have no unit in this round of checks.
     free_unit: Option<usize>,
 }
 
-/// Errors in a generic body that is checked for sample types, at most one for each location.
+/// Errors found in a generic body that was checked for sample types, at most one for each location.
 struct SampleErrors {
     errors: Vec<Diagnostic>,
     locations: FastSet<Span>,
 }
 
-/// Checks the generic declarations of the first module for all types allowed by their constraints.
+/// Checks the bodies of the generic declarations of the first module for all types that their constraints allow.
 pub(crate) fn check_generics(checker: &mut Checker<'_>) {
     for id in checker.program.root().decls.clone() {
         let params = type_params_of(checker, id);
@@ -73,7 +75,7 @@ pub(crate) fn check_generics(checker: &mut Checker<'_>) {
     }
 }
 
-/// Returns the type parameters of a declaration.
+/// Returns the type parameters of a declaration, with their constraints.
 fn type_params_of<'a>(checker: &Checker<'a>, id: DeclId) -> Vec<TypeParam<'a>> {
     let types = static_params::static_params_of_decl(checker, id)
         .into_iter()
@@ -90,7 +92,7 @@ fn type_params_of<'a>(checker: &Checker<'a>, id: DeclId) -> Vec<TypeParam<'a>> {
     types.enumerate().map(param).collect()
 }
 
-/// Returns the errors of a body for all combinations of sample types.
+/// Returns the errors of the body of declaration `id` for all combinations of sample types of its type parameters.
 fn errors_for<'a>(checker: &mut Checker<'a>, id: DeclId, params: &[TypeParam<'a>]) -> SampleErrors {
     let mut found = SampleErrors {
         errors: Vec::new(),
@@ -114,7 +116,8 @@ fn errors_for<'a>(checker: &mut Checker<'a>, id: DeclId, params: &[TypeParam<'a>
     found
 }
 
-/// Returns the errors of a body for one combination of types. The instance, and those that it calls, are discarded.
+/// Returns the errors of the body of declaration `id` for one combination of sample types, one for each type parameter.
+/// The units that the check creates are discarded.
 fn errors_for_types<'a>(
     checker: &mut Checker<'a>,
     id: DeclId,
@@ -139,7 +142,7 @@ fn check_instance(checker: &mut Checker<'_>, id: DeclId, statics: StaticBindings
     }
 }
 
-/// Runs a check on a trial basis and returns its diagnostics; discards all units that it creates.
+/// Runs a check and returns its diagnostics. All units that the check creates are discarded.
 fn discarding_units(
     checker: &mut Checker<'_>,
     check: impl FnOnce(&mut Checker),
@@ -161,7 +164,8 @@ fn discarding_units(
     std::mem::replace(&mut checker.diagnostics, diagnostics)
 }
 
-/// Replaces errors that another constraint would remove by one error about the constraint.
+/// Returns the errors `found` in the body of declaration `id`. Errors that would not occur with a stricter constraint
+/// on its type parameters are replaced by one error that suggests this constraint.
 fn attribute_to_constraint<'a>(
     checker: &mut Checker<'a>,
     id: DeclId,
@@ -201,7 +205,8 @@ fn attribute_to_constraint<'a>(
 }
 
 impl TypeParam<'_> {
-    /// Returns the parameter with a stricter constraint, if the written one allows more types.
+    /// Returns the parameter with a stricter constraint, unless its declared constraint is already strict (`Real` or
+    /// `Dimensionless`).
     fn with_constraint(self, constraint: Constraint) -> Self {
         match self.constraint {
             Constraint::Any | Constraint::Number => TypeParam { constraint, ..self },
@@ -209,15 +214,15 @@ impl TypeParam<'_> {
         }
     }
 
-    /// Returns the sample types of the parameter.
+    /// Returns the sample types for which the body is checked in place of this parameter.
     fn sample_types(&self) -> Vec<Ty> {
         let unit = self.free_unit.map_or(Dimension::ONE, Dimension::free);
         self.constraint.sample_types(&self.name.name, unit)
     }
 }
 
-/// Returns all combinations of sample types, up to [`MAX_COMBINATIONS`]. Above this limit a parameter has only its
-/// first sample.
+/// Returns all combinations of sample types of the parameters, up to [`MAX_COMBINATIONS`]. A parameter that would
+/// exceed the limit has only its first sample type.
 fn sample_combinations(params: &[TypeParam<'_>]) -> Vec<Vec<Ty>> {
     let mut all = vec![Vec::new()];
     for param in params {
@@ -234,13 +239,14 @@ fn sample_combinations(params: &[TypeParam<'_>]) -> Vec<Vec<Ty>> {
     all
 }
 
-/// Whether a diagnostic about an instance applies to the declaration: an error that does not depend on sizes.
+/// Whether a diagnostic found with sample arguments applies to the generic declaration itself: an error that does not
+/// depend on array sizes.
 fn is_of_generic(diagnostic: &Diagnostic) -> bool {
     diagnostic.severity() == Severity::Error && sample_check::is_sample_independent(diagnostic)
 }
 
-/// Replaces free units in a diagnostic by the names of their parameters, and adds a note with the sample types where
-/// these matter.
+/// Replaces the signs for free units in a diagnostic by the names of the type parameters. Adds a note with the sample
+/// types `types` where the error may occur for these types only.
 fn name_free_units(
     mut diagnostic: Diagnostic,
     params: &[TypeParam<'_>],
@@ -269,6 +275,12 @@ fn name_free_units(
         let is_free = matches!(ty, Ty::Real(dim) if dim.has_free());
         param.constraint != Constraint::Any && param.constraint != Constraint::Real && !is_free
     });
+    let unitless = params.iter().filter(|param| param.free_unit.is_none());
+    let names: Vec<&str> = unitless.map(|param| param.name.name.as_str()).collect();
+    if diagnostic.code == Code::RPI2002 && !names.is_empty() {
+        let note = format!("checked with plain numbers for {}", join_names(names));
+        diagnostic = diagnostic.note(note);
+    }
     chosen.fold(diagnostic, |diagnostic, (param, ty)| {
         let (name, word) = (&param.name.name, param.constraint.keyword());
         diagnostic.note(format!(
@@ -277,7 +289,8 @@ fn name_free_units(
     })
 }
 
-/// Removes fixes that write a unit of a type parameter after a number, as the parameter may also be `int`.
+/// Removes fixes that write the unit of a type parameter after a number, because the parameter may also stand for
+/// `int`.
 fn remove_unit_fixes(diagnostic: &mut Diagnostic, params: &[TypeParam<'_>]) {
     let numbers = params
         .iter()
@@ -292,29 +305,32 @@ fn remove_unit_fixes(diagnostic: &mut Diagnostic, params: &[TypeParam<'_>]) {
         .any(|fix| fix.edits.iter().any(has_unit))
     {
         diagnostic.fixes.clear();
-        diagnostic.help = vec!["write zero of a parametric type as `x - x`".to_owned()];
+        diagnostic.help = vec!["the unit of the type parameter has no literal: zero is the difference of a value and itself, such as `x - x`".to_owned()];
     }
 }
 
-/// Adds a help text about a parameter without a constraint to an error without help.
+/// Adds a help text about the type parameter `open`, which has no constraint, to an error without help and without fix.
 fn with_constraint_help(error: Diagnostic, open: Option<&TypeParam<'_>>) -> Diagnostic {
     match open {
         Some(param) if error.help.is_empty() && error.fixes.is_empty() => {
             let name = &param.name.name;
-            // No constraint gives a type fields.
-            let code = error.code;
-            error.help(match code {
+            let (code, declared) = (error.code, param.name.span);
+            // No constraint gives a type fields, and none has made this error disappear.
+            error.secondary(declared, "may be any type").help(match code {
                 Code::RPI1004 => format!(
                     "`{name}` may be any type, so its fields are unknown: declare the port with a struct type"
                 ),
-                _ => format!("`{name}` may be any type; add a constraint: `type {name}: number`"),
+                _ => format!(
+                    "no constraint on `{name}` makes this possible for all its types: declare the ports with one type, such as `int` or `real`"
+                ),
             })
         }
         _ => error,
     }
 }
 
-/// Turns an error that another constraint would remove into one about that constraint.
+/// Changes an error that would not occur with a stricter constraint to an error that suggests this constraint. `params`
+/// are the type parameters whose constraint would change.
 fn missing_constraint(
     error: Diagnostic,
     constraint: Constraint,

@@ -31,30 +31,30 @@ use rpi_syntax::ast::{
 };
 use std::rc::Rc;
 
-/// Name, ports and result type of a callable for one choice of static arguments.
+/// Name, ports and kind of a callable, as its callers see them, for one choice of static arguments.
 #[derive(Debug)]
 pub(crate) struct Header {
     pub(crate) decl: DeclId,
     pub(crate) statics: Rc<StaticBindings>,
-    /// Name of the callable with its static arguments.
+    /// Name of the callable with its static arguments, such as `fill<<3>>`.
     pub(crate) name: Name,
     pub(crate) kind: UnitKind,
     pub(crate) span: Span,
     /// In-ports and parameters, in the order of [`Unit::inputs`].
     pub(crate) inputs: Vec<Port>,
     pub(crate) outputs: Vec<Port>,
-    /// Frames of the signature without a declaration; each is bound to the frame of an argument.
+    /// Names of frames in the port types that are not declared. Each stands for the frame of an argument.
     pub(crate) free_frames: Vec<Name>,
 }
 
 impl Header {
-    /// Whether the callable is an instance of a generic one, chosen by types or values.
+    /// Whether static parameters that are types, or values that distinguish instances, have been replaced by arguments.
     pub(crate) fn is_instance(&self) -> bool {
         let mut statics = self.statics.values();
         statics.any(|value| matches!(value, StaticBinding::Type(_) | StaticBinding::Value(_)))
     }
 
-    /// Returns the type of the output, or the tuple type of several outputs.
+    /// Returns the type of a call: the type of the only output, or a tuple type of several outputs.
     pub(crate) fn result_type(&self) -> Ty {
         if let [one] = &self.outputs[..] {
             return one.ty.clone();
@@ -74,19 +74,20 @@ pub(crate) struct Port {
     pub(crate) ty: Ty,
     pub(crate) role: FlowRole,
     pub(crate) has_default: bool,
-    /// Whether the port is declared in `<<...>>`.
+    /// Whether the port is a static parameter, declared in `<<...>>`.
     pub(crate) is_static: bool,
-    /// Whether the port is the condition of another port's clock.
+    /// Whether the port is the condition of the clock of another port.
     pub(crate) is_clock: bool,
-    /// Port that is the condition of this port's clock, and the value for which the clock ticks.
+    /// Clock of the port: the name of the port that is its condition, and the value of that port for which the clock
+    /// ticks. `None` if the port has a value in every cycle.
     pub(crate) clock: Option<(Name, u32)>,
-    /// Whether the port is declared optional (`?`).
+    /// Whether the port is declared optional (`T?`), so that its value may be absent.
     pub(crate) optional: bool,
     pub(crate) span: Span,
 }
 
-/// Returns the header of a callable. Errors in the signature are reported once; `None` if it is not callable or
-/// nested too deeply.
+/// Returns the ports of a callable for these static arguments, and checks its signature on first use. Errors in the
+/// signature are reported once. `None` if the declaration is not callable or nested too deeply.
 pub(crate) fn check_header(
     checker: &mut Checker<'_>,
     id: DeclId,
@@ -108,7 +109,7 @@ pub(crate) fn check_header(
     header
 }
 
-/// Returns the header of a node parameter of `id`, as far as its declaration gives it.
+/// Returns the ports of a static parameter of `id` that stands for a node, as `signature` declares them.
 pub(crate) fn node_param_header<'a>(
     checker: &mut Checker<'a>,
     id: DeclId,
@@ -174,7 +175,7 @@ fn new_header(
     })
 }
 
-/// Returns a port of a node parameter.
+/// Returns the description of a port of a static parameter that stands for a node.
 fn node_param_port(name: &Ident, ty: Ty, role: FlowRole, has_default: bool) -> Port {
     Port {
         name: name.name.clone(),
@@ -189,7 +190,7 @@ fn node_param_port(name: &Ident, ty: Ty, role: FlowRole, has_default: bool) -> P
     }
 }
 
-/// Returns the port of a unit's interface that a flow of its body represents: name, type and presence.
+/// Returns the description of the port that a flow of a unit represents, as callers of the unit see it.
 fn port_of_flow(unit: &Unit, id: FlowId) -> Port {
     let flow = unit.flow(id);
     Port {
@@ -207,7 +208,7 @@ fn port_of_flow(unit: &Unit, id: FlowId) -> Port {
     }
 }
 
-/// Returns the kind of unit that a declaration defines; `None` if it is not callable.
+/// Returns the kind of unit that a declaration of this kind defines; `None` if the declaration is not callable.
 pub(crate) fn unit_kind(kind: DeclKind<'_>) -> Option<UnitKind> {
     Some(match kind {
         DeclKind::Node(node) => match node.kind {
@@ -223,7 +224,8 @@ pub(crate) fn unit_kind(kind: DeclKind<'_>) -> Option<UnitKind> {
     })
 }
 
-/// Returns the kind of a primitive: a stateless computation is a function, anything else a node.
+/// Returns the kind of unit for the primitive `name`: a function if it computes its result without state, otherwise a
+/// node.
 fn primitive_kind(name: &str) -> UnitKind {
     let is_pure = |prim: PrimId| {
         let desc = prim.desc();
@@ -235,7 +237,7 @@ fn primitive_kind(name: &str) -> UnitKind {
     }
 }
 
-/// Declares the ports of a callable.
+/// Declares the ports of the callable `id` in its body.
 pub(crate) fn declare_ports(cx: &mut Body<'_, '_>, id: DeclId) {
     cx.in_signature = true;
     report_type_param_redefinition(cx, id);
@@ -251,7 +253,7 @@ pub(crate) fn declare_ports(cx: &mut Body<'_, '_>, id: DeclId) {
     cx.in_signature = false;
 }
 
-/// Reports a Lustre type parameter with the name of a type of the file.
+/// Reports a type parameter of Lustre that has the name of a type declared in the file.
 fn report_type_param_redefinition(cx: &mut Body<'_, '_>, id: DeclId) {
     for param in static_params::static_params_of_decl(cx.checker, id) {
         let crate::check::signatures::static_params::StaticParamDecl::Type(name, _) = param else {
@@ -274,7 +276,7 @@ fn report_type_param_redefinition(cx: &mut Body<'_, '_>, id: DeclId) {
     }
 }
 
-/// Declares static values that are only known at load time as flows.
+/// Declares a flow for each static parameter whose value is known only when the command is loaded.
 fn declare_load_time_params(cx: &mut Body<'_, '_>, id: DeclId) {
     for param in static_params::static_params_of_decl(cx.checker, id) {
         let crate::check::signatures::static_params::StaticParamDecl::Value(name, def) = param
@@ -315,7 +317,7 @@ fn declare_signature_ports<'a>(cx: &mut Body<'_, 'a>, signature: &'a Signature) 
     check_input_clocks(cx);
 }
 
-/// Reports an in-port whose clock is an out-port: the caller must know when to pass a value.
+/// Reports an in-port whose clock depends on an out-port, because the caller could not know when to pass a value.
 fn check_input_clocks(cx: &mut Body<'_, '_>) {
     for id in cx.unit.inputs.clone() {
         let port = cx.unit.flow(id).clone();
@@ -332,7 +334,8 @@ fn check_input_clocks(cx: &mut Body<'_, '_>) {
     }
 }
 
-/// Declares the ports of a contract. A contract reads all of them, so that its out-ports are in-ports, too.
+/// Declares the ports of a contract that is declared on its own. The contract reads inputs and outputs of the node, so
+/// that both are in-ports here.
 fn declare_contract_ports<'a>(cx: &mut Body<'_, 'a>, signature: &'a Signature) {
     for ports in [&signature.inputs, &signature.outputs] {
         declare_inputs(cx, ports.as_deref().unwrap_or_default(), FlowRole::Input);
@@ -367,6 +370,7 @@ fn declare_inputs<'a>(cx: &mut Body<'_, 'a>, decls: &'a [VarDecl], role: FlowRol
                 continue;
             }
             let flow = locals::declare_flow(cx, name, &port, role);
+            time_sums::record_unit(cx, flow, &decl.ty);
             cx.unit.inputs.push(flow);
             if let Some(default) = &decl.default {
                 check_port_default(cx, flow, default);
@@ -375,7 +379,7 @@ fn declare_inputs<'a>(cx: &mut Body<'_, 'a>, decls: &'a [VarDecl], role: FlowRol
     }
 }
 
-/// Checks that the default value of an in-port is a constant of the port's type.
+/// Checks that the default value of the in-port `flow` is a constant of the port's type.
 fn check_port_default<'a>(cx: &mut Body<'_, 'a>, flow: FlowId, default: &'a rpi_syntax::ast::Expr) {
     let value = expr::check_expr(cx, default);
     let ty = cx.unit.flow(flow).ty.clone();
@@ -395,7 +399,7 @@ fn declare_outputs<'a>(cx: &mut Body<'_, 'a>, decls: &'a [VarDecl]) {
         let port = types::resolve_port_type(cx, &decl.ty);
         for name in &decl.names {
             let flow = locals::declare_flow(cx, name, &port, FlowRole::Output);
-            time_sums::record_seconds(cx, flow, &decl.ty);
+            time_sums::record_unit(cx, flow, &decl.ty);
             cx.unit.outputs.push(flow);
         }
     }

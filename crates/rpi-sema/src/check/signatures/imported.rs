@@ -14,25 +14,25 @@ use crate::typed::{BlockId, Equation, ExprId, FlowPresence, FlowRole, Target, Ta
 use rpi_diag::Span;
 use rpi_syntax::ast::{self, Contract, ContractImport, Ident};
 
-/// Maximum number of modes that a contract passes on from its imports.
+/// Maximum number of modes that a contract makes visible from the contracts that it imports.
 const MAX_MODES: usize = 1000;
 
-/// Maximum length of a path to a mode, such as `::c::d::m`. Every contract passes on all paths that start at it, so
-/// that their number can grow exponentially.
+/// Maximum number of contracts in the path to a mode, such as `::c::d::m`. Each contract makes the modes of its imports
+/// visible under such paths, whose number can grow exponentially.
 const MAX_MODE_PATH: usize = 16;
 
-/// Import of a contract by the contract that is being checked.
+/// Import of a contract by a contract that is being checked.
 #[derive(Clone, Copy)]
 pub(crate) struct ContractInstance<'a> {
     syntax: &'a ContractImport,
-    /// Block of the importing contract.
+    /// Block of the contract that imports the other one.
     importer: BlockId,
-    /// Call of the instance; `None` until it is first needed.
+    /// Typed call of the imported contract with its arguments; `None` until the call is first needed.
     call: Option<ExprId>,
 }
 
 impl ContractInstance<'_> {
-    /// Returns the name of the imported contract.
+    /// Returns the name of the imported contract; `None` if the import is not a call.
     fn name(&self) -> Option<&Ident> {
         match &self.syntax.call.kind {
             ast::ExprKind::Call(call) => Some(&call.callee.name),
@@ -41,7 +41,7 @@ impl ContractInstance<'_> {
     }
 }
 
-/// Records the imports of a contract; the current block must be that of the contract.
+/// Records the imports of a contract. The current block must be the block of the contract.
 pub(crate) fn declare_imports<'a>(cx: &mut Body<'_, 'a>, contract: &'a Contract) {
     let by = cx.block;
     let imports = contract.imports.iter();
@@ -54,7 +54,7 @@ pub(crate) fn declare_imports<'a>(cx: &mut Body<'_, 'a>, contract: &'a Contract)
         }));
 }
 
-/// Checks the imports of a contract and returns their arguments.
+/// Checks the imports of the contract in `block` and returns their input arguments.
 pub(crate) fn check_imports(cx: &mut Body<'_, '_>, block: BlockId) -> Vec<ExprId> {
     let mut given = Vec::new();
     for at in 0..cx.contract.imports.len() {
@@ -66,7 +66,8 @@ pub(crate) fn check_imports(cx: &mut Body<'_, '_>, block: BlockId) -> Vec<ExprId
     given
 }
 
-/// Returns the arguments of an imported contract, if the expression is the condition of one of its modes.
+/// Returns the input arguments of an imported contract if `kind` is the condition of one of its modes; `None` for other
+/// expressions.
 pub(crate) fn imported_mode_args(cx: &Body<'_, '_>, kind: &TypedKind) -> Option<Vec<ExprId>> {
     match kind {
         TypedKind::Part { base, .. } => import_args(cx, *base),
@@ -74,7 +75,8 @@ pub(crate) fn imported_mode_args(cx: &Body<'_, '_>, kind: &TypedKind) -> Option<
     }
 }
 
-/// Returns the arguments of an imported contract, if the expression is the call that instantiates it.
+/// Returns the input arguments of an imported contract if `instance` is the call for its import; `None` for other
+/// expressions.
 fn import_args(cx: &Body<'_, '_>, instance: ExprId) -> Option<Vec<ExprId>> {
     let mut imports = cx.contract.imports.iter();
     let import = imports.find(|import| import.call == Some(instance))?;
@@ -85,7 +87,7 @@ fn import_args(cx: &Body<'_, '_>, instance: ExprId) -> Option<Vec<ExprId>> {
     Some(given.flatten().copied().collect())
 }
 
-/// Returns the call expression that instantiates an imported contract; creates it on first use.
+/// Returns the typed call for the import with index `at`. The call is checked on first use.
 fn import_instance(cx: &mut Body<'_, '_>, at: usize) -> ExprId {
     let import = cx.contract.imports[at];
     if let Some(call) = import.call {
@@ -103,7 +105,7 @@ fn import_instance(cx: &mut Body<'_, '_>, at: usize) -> ExprId {
     call
 }
 
-/// Checks the call of an imported contract.
+/// Checks the call for an import, adds it to the current block, and returns its typed expression.
 fn check_import<'a>(cx: &mut Body<'_, 'a>, import: &'a ContractImport) -> ExprId {
     let span = import.call.span;
     cx.contract.resolving_contract = true;
@@ -126,7 +128,8 @@ fn check_import<'a>(cx: &mut Body<'_, 'a>, import: &'a ContractImport) -> ExprId
     value
 }
 
-/// Checks `::c::m`, whether a mode of an imported contract applies.
+/// Checks a reference `::c::m` to mode `m` of the imported contract `c`. Returns a Boolean expression that is true
+/// while the mode applies.
 pub(crate) fn imported_mode_condition(
     cx: &mut Body<'_, '_>,
     contract: &str,
@@ -159,7 +162,8 @@ pub(crate) fn imported_mode_condition(
     cx.add(TypedKind::Part { base, at }, Ty::Bool, span)
 }
 
-/// Declares the outputs of a declared contract: the condition of each of its modes and of those of its imports.
+/// Declares the outputs of a contract that is declared on its own: for each of its modes and of the modes that it
+/// imports, whether the mode applies.
 pub(crate) fn declare_mode_outputs<'a>(cx: &mut Body<'_, 'a>, contract: &'a Contract) {
     let applies = std::mem::take(&mut cx.contract.mode_conditions);
     let own = contract.modes.iter().map(|mode| &mode.name);
@@ -183,7 +187,8 @@ pub(crate) fn declare_mode_outputs<'a>(cx: &mut Body<'_, 'a>, contract: &'a Cont
     }
 }
 
-/// Returns `D::m` for each mode of an imported contract `D`, with its condition.
+/// Returns the path `D::m` of each mode of each imported contract `D`, with an expression that is true while the mode
+/// applies.
 fn imported_modes(cx: &mut Body<'_, '_>) -> Vec<(Ident, ExprId)> {
     let mut modes = Vec::new();
     for at in 0..cx.contract.imports.len() {

@@ -17,7 +17,7 @@ use rpi_syntax::Name;
 use std::fmt::Write;
 use std::rc::Rc;
 
-/// Returns the key of an instance: the declaration and its static arguments.
+/// Returns a text that identifies an instance: the declaration and its static arguments.
 pub(crate) fn instance_key(id: DeclId, statics: &StaticBindings) -> String {
     let mut key = format!("{}", id.0);
     for (name, value) in statics {
@@ -71,8 +71,9 @@ pub(crate) fn instance_name(
     }
 }
 
-/// Returns the instance of a generic callable for the types of its arguments. Parameters that cannot be inferred are
-/// reported at `told_at`, if that is given.
+/// Returns the ports of the instance of a generic callable whose type parameters `open` are inferred from the
+/// arguments, given in `subst`. `None` if a parameter cannot be inferred; this is reported at the second location if
+/// there is one.
 pub(crate) fn resolve_instance(
     cx: &mut Body<'_, '_>,
     header: &Rc<Header>,
@@ -105,14 +106,15 @@ pub(crate) fn resolve_instance(
     }
 }
 
-/// Reports missing static arguments.
+/// Reports the static arguments `left` of declaration `id`, which are missing in a call at `span`.
 pub(crate) fn report_missing(cx: &mut Body<'_, '_>, id: DeclId, left: &[Name], span: Span) {
     let decl = cx.checker.program.decl(id);
     let diagnostic = missing_static_args(&decl.name, left, span, decl.span);
     report::report_diagnostic(cx, diagnostic);
 }
 
-/// Returns the source text of a value that [distinguishes instances](distinguishes_instances).
+/// Returns the source text of the value of a static argument, of a type for which each value has [an instance of its
+/// own](distinguishes_instances).
 fn value_text(ty: &Ty, leaves: &[Leaf]) -> String {
     match (ty, leaves) {
         (Ty::Array(element, n), _) => {

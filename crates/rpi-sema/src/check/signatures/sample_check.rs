@@ -20,15 +20,16 @@ use rpi_diag::{Code, Diagnostic, Severity};
 use rpi_syntax::ast::{StaticParam, StaticParamKind};
 use std::rc::Rc;
 
-/// Value that stands for a size parameter without an argument, so that the body can be checked.
+/// Sample value for a size parameter without an argument, with which the body is checked.
 const SAMPLE_SIZE: i64 = 4;
 
-/// Whether a diagnostic about a callable checked with sample arguments applies to the declaration itself.
+/// Whether a diagnostic about a callable that was checked with sample arguments applies to the declaration itself,
+/// whatever the arguments are.
 pub(crate) fn is_sample_independent(diagnostic: &Diagnostic) -> bool {
     !Cause::SampleValue.explains(diagnostic) && diagnostic.code != Code::RPI1012
 }
 
-/// Whether a diagnostic is about names or known types, which do not depend on the arguments.
+/// Whether a diagnostic has a code for errors in names or known types, which do not depend on the arguments of a call.
 fn is_argument_independent(diagnostic: &Diagnostic) -> bool {
     matches!(
         diagnostic.code,
@@ -47,7 +48,7 @@ fn is_argument_independent(diagnostic: &Diagnostic) -> bool {
     )
 }
 
-/// Adds a note about the sample size if the message contains it.
+/// Adds a note about the sample size to a diagnostic whose message contains an array type of this size.
 fn with_sample_size_note(diagnostic: Diagnostic) -> Diagnostic {
     // Array types are printed as `int^4`. A message with this text for another reason only gets a needless note.
     match diagnostic.message.contains(&format!("^{SAMPLE_SIZE}")) {
@@ -56,16 +57,19 @@ fn with_sample_size_note(diagnostic: Diagnostic) -> Diagnostic {
     }
 }
 
-/// Turns an error in a Lustre V6 callable that is never called into a warning.
-fn as_uncalled_warning(diagnostic: Diagnostic) -> Diagnostic {
+/// Changes an error in a Lustre V6 callable that is never called to a warning. `name` is the callable.
+fn as_uncalled_warning(diagnostic: Diagnostic, name: &str) -> Diagnostic {
     let warning = Diagnostic {
         code: Code::RPI1015,
         ..diagnostic
     };
-    warning.note("it is never called, so the program still runs; any call to it would be an error")
+    warning.note(format!(
+        "`{name}` is never called, so the program still runs; any call of `{name}` would be an error"
+    ))
 }
 
-/// Returns a sample value of a type; `None` if there is none.
+/// Returns a sample value of a type, as the values of its leaves (scalar parts); `None` for types without one, such as
+/// structs.
 pub(crate) fn sample_value(ty: &Ty) -> Option<Rc<[Leaf]>> {
     Some(match ty {
         Ty::Bool => [Leaf::bool(false)].into(),
@@ -82,8 +86,8 @@ pub(crate) fn sample_value(ty: &Ty) -> Option<Rc<[Leaf]>> {
     })
 }
 
-/// Checks callables that need static arguments and are never called, and the node parameters of all generic
-/// callables.
+/// Checks callables of the first module that need static arguments and are never called, using sample arguments. Checks
+/// the port types of static parameters that stand for nodes as well.
 pub(crate) fn check_samples(checker: &mut Checker<'_>) {
     for id in checker.program.root().decls.clone() {
         if static_params::static_params_of_decl(checker, id).is_empty() {
@@ -105,17 +109,17 @@ pub(crate) fn check_samples(checker: &mut Checker<'_>) {
         let found = checker.diagnostics.split_off(before).into_iter();
         let found = found.filter(is_reported).map(with_sample_size_note);
         let found = found.map(|diagnostic| match is_warning_only {
-            true => without_error_severity(diagnostic),
+            true => without_error_severity(diagnostic, &checker.program.decl(id).name),
             false => diagnostic,
         });
         checker.diagnostics.extend(found);
     }
 }
 
-/// Turns an error into the warning about an uncalled callable.
-fn without_error_severity(diagnostic: Diagnostic) -> Diagnostic {
+/// Changes an error in the callable `name`, which is never called, to a warning. Warnings and notes remain unchanged.
+fn without_error_severity(diagnostic: Diagnostic, name: &str) -> Diagnostic {
     match diagnostic.severity() {
-        Severity::Error => as_uncalled_warning(diagnostic),
+        Severity::Error => as_uncalled_warning(diagnostic, name),
         _ => diagnostic,
     }
 }
@@ -131,8 +135,8 @@ fn check_sample(checker: &mut Checker<'_>, id: DeclId, statics: Rc<StaticBinding
     }
 }
 
-/// Whether a declaration is a generic node of Kind 2, `<<T>>`, whose types are opaque. Types of Lustre V6,
-/// `<<type t>>`, behave like text substitution.
+/// Whether a declaration is a generic node of Kind 2, `<<T>>`, whose type parameters stand for unknown types. Type
+/// parameters of Lustre V6, `<<type t>>`, are replaced as text.
 fn is_kind2_only(checker: &Checker<'_>, id: DeclId) -> bool {
     let of_kind2 = |param: &StaticParam| matches!(&param.kind, StaticParamKind::Type(name, _) if name.span == param.span);
     match checker.program.decl(id).kind {
@@ -150,7 +154,8 @@ fn has_type_params(checker: &Checker<'_>, id: DeclId) -> bool {
         .any(|param| matches!(param, StaticParamDecl::Type(..)))
 }
 
-/// Returns static arguments of which as little as possible is known.
+/// Returns static arguments for checking declaration `id` without a call: unknown types, sample sizes, and nodes of
+/// which only the ports are known.
 pub(crate) fn unknown_statics(checker: &mut Checker<'_>, id: DeclId) -> StaticBindings {
     let mut statics = StaticBindings::new();
     for param in static_params::static_params_of_decl(checker, id) {
@@ -173,8 +178,8 @@ pub(crate) fn unknown_statics(checker: &mut Checker<'_>, id: DeclId) -> StaticBi
     statics
 }
 
-/// Returns opaque types and sample values as static arguments; `None` for node parameters and types without sample
-/// values.
+/// Returns static arguments for checking a generic node of Kind 2: types that are equal to themselves only, and sample
+/// values. `None` if a parameter stands for a node or has a type without sample values.
 fn sample_statics(checker: &mut Checker<'_>, id: DeclId) -> Option<StaticBindings> {
     let mut statics = StaticBindings::new();
     for param in static_params::static_params_of_decl(checker, id) {

@@ -16,8 +16,8 @@ use rpi_syntax::ast::{
     ExprKind, Ident, NamedType, Signature, StaticValue, Type, TypeKind, VarDecl,
 };
 
-/// Binds the size parameters without an argument that follow from the type of an argument, before defaults are
-/// added. Returns false if a size depends on an argument whose type is not known yet.
+/// Adds to `statics` the values of the size parameters of `id` without an argument that follow from the type of an
+/// argument in `given`. Returns `false` if a size depends on an argument whose type is not known yet.
 pub(crate) fn infer_size_params<'a>(
     cx: &mut Body<'_, 'a>,
     id: DeclId,
@@ -83,13 +83,13 @@ fn check_signature<'a>(checker: &Checker<'a>, id: DeclId) -> Option<&'a Signatur
     }
 }
 
-/// Size that the type of an argument gives for a size parameter.
+/// Result of inferring a size parameter from the type of an argument.
 enum InferredSize {
-    /// The type gives this size.
+    /// The type of the argument gives this size.
     Size(u32),
-    /// The size is not known yet, because the type of the argument is not.
+    /// The size cannot be inferred yet, because the type of the argument is unknown.
     Pending,
-    /// The type does not determine the size.
+    /// The type of the argument is known, but it does not determine the size.
     Undetermined,
 }
 
@@ -97,7 +97,8 @@ fn is_named(arg: &CallArgument<'_>, name: &Name) -> bool {
     arg.name.is_some_and(|given: &Ident| given.name == *name)
 }
 
-/// Returns the size `n` of a port type `D<<n>>`, given the device passed for it.
+/// Returns the value of the size parameter `name` in the port type `named`, such as `D<<n>>`. `device` is the type of
+/// the device that is passed for the port.
 fn size_of_device(named: &NamedType, device: &DeviceTy, name: &Name) -> InferredSize {
     let mut args = named.statics.iter().zip(&device.sizes);
     let found = args.find(|(arg, _)| {
@@ -113,7 +114,8 @@ fn size_of_device(named: &NamedType, device: &DeviceTy, name: &Name) -> Inferred
     }
 }
 
-/// Returns the size `n` of a port type `T^n`, `T^n^3` or `T^n?`, given the type of its argument.
+/// Returns the value of the size parameter `name` in a declared port type such as `T^n`, `T^n^3` or `T^n?`. `found` is
+/// the type of the argument.
 fn size_from_type(mut declared: &Type, mut found: &Ty, name: &Name) -> InferredSize {
     loop {
         match (&declared.kind, found) {

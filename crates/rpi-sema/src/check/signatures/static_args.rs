@@ -27,17 +27,17 @@ use rpi_syntax::ast::{Arg, ConstDef, Expr, ExprKind, Ident, Signature, StaticArg
 use std::collections::BTreeMap;
 use std::rc::Rc;
 
-/// What a static parameter is bound to.
+/// Value of a static parameter for one instance.
 #[derive(Clone, Debug)]
 pub(crate) enum StaticBinding {
-    /// The parameter is a type.
+    /// The parameter is a type parameter, and this is its type.
     Type(Ty),
-    /// The parameter is a value known at compile time.
+    /// The parameter has this value, which is known at compile time.
     Value(Constant),
-    /// The parameter is a value known only at load time: a flow in the body.
+    /// The value is known only when the command is loaded. The parameter is a flow of the body.
     LoadTime,
-    /// The parameter is a callable; with the diagnostic for calling it although its ports differ from those of the
-    /// parameter.
+    /// The parameter stands for this callable. If the ports of the callable differ from those of the parameter, the
+    /// diagnostic is reported when the parameter is called.
     Callable(Callable, Option<Rc<Diagnostic>>),
 }
 
@@ -53,18 +53,18 @@ impl<'a> StaticParamDecl<'a> {
     }
 }
 
-/// Static arguments of a call, assigned to the parameters that they are for.
+/// Static arguments of a call, assigned to the parameters of the callee.
 pub(crate) struct BoundStatics<'a> {
     /// Values of the static parameters that have an argument.
     pub(crate) statics: StaticBindings,
-    /// Arguments for ports and for values known at load time, by name.
+    /// Arguments for in-ports, and for static parameters whose values are known only when the command is loaded.
     pub(crate) ports: Vec<CallArgument<'a>>,
     /// Whether an error has been reported.
     pub(crate) has_error: bool,
 }
 
-/// Binds static arguments to the parameters of a declaration. Arguments without a static parameter are left for its
-/// ports.
+/// Assigns static arguments to the static parameters of declaration `id`. Arguments for which there is no static
+/// parameter are assigned to in-ports. Reports excess arguments.
 pub(crate) fn bind_statics<'a>(
     cx: &mut Body<'_, 'a>,
     id: DeclId,
@@ -103,7 +103,8 @@ pub(crate) fn bind_statics<'a>(
     bound
 }
 
-/// Binds the arguments for `const` in-ports that determine sizes; returns the other arguments.
+/// Assigns the arguments for `const` in-ports of the node `id`, which determine array sizes, to `bound`. Returns the
+/// other arguments.
 pub(crate) fn bind_sizes<'a>(
     cx: &mut Body<'_, 'a>,
     id: DeclId,
@@ -154,11 +155,29 @@ fn bind_size<'a>(
                 StaticBinding::Value(Constant { ty, leaves }),
             );
         }
-        None => bound.has_error = true,
+        None => {
+            bound.has_error = true;
+            label_size_parameter(cx, name, arg);
+        }
     }
 }
 
-/// Whether a positional argument after those of the static parameters may be for an in-port:
+/// Adds to the diagnostic about an argument that is not constant that its parameter decides the size of an array.
+fn label_size_parameter(cx: &mut Body<'_, '_>, name: &Ident, arg: &Arg) {
+    let last = cx.diagnostics.last_mut();
+    let is_about = |diagnostic: &&mut Diagnostic| {
+        diagnostic.code == Code::RPI2008 && arg.value.span.contains(diagnostic.span())
+    };
+    if let Some(diagnostic) = last.filter(is_about) {
+        let text = format!(
+            "`{}` decides the size of an array: it must be a constant",
+            name.name
+        );
+        diagnostic.add_secondary(name.span, text);
+    }
+}
+
+/// Whether a positional static argument for which no static parameter is left may be for an in-port:
 /// `on_delay<<500[ms]>>(x)`.
 fn may_be_for_port(
     cx: &Body<'_, '_>,
@@ -178,7 +197,7 @@ fn may_be_for_port(
         && matches!(arg.value, StaticValue::Expr(_))
 }
 
-/// Binds an argument to an in-port; without a name to the first in-port that has no argument in `(...)`.
+/// Assigns a static argument to an in-port, by its name or to the first in-port that has no argument in `(...)`.
 fn bind_port<'a>(
     cx: &mut Body<'_, 'a>,
     name: Option<&'a Ident>,
@@ -209,7 +228,8 @@ fn static_expr<'a>(cx: &mut Body<'_, 'a>, arg: &'a StaticArg) -> Option<ExprId> 
     }
 }
 
-/// Adds to the reported error of `f<<bool>>` the parameter that expects a value.
+/// Extends the error that has just been reported about `f<<bool>>`, where a value is expected, by the declaration of
+/// the parameter `name`.
 fn expected_value_hint(cx: &mut Body<'_, '_>, id: DeclId, name: &Ident, arg: &StaticArg) {
     let of = &cx.checker.program.decl(id).name;
     let what = match &arg.value {
@@ -222,7 +242,7 @@ fn expected_value_hint(cx: &mut Body<'_, '_>, id: DeclId, name: &Ident, arg: &St
         if let Some(label) = diagnostic.labels.first_mut() {
             label.text = what.to_owned();
         }
-        *diagnostic = diagnostic.clone().secondary(name.span, text);
+        diagnostic.add_secondary(name.span, text);
     }
 }
 
@@ -241,7 +261,8 @@ fn too_many_static_args(cx: &mut Body<'_, '_>, id: DeclId, count: usize, span: S
     report::report_diagnostic(cx, diagnostic);
 }
 
-/// Evaluates the argument of a node parameter, and compares its ports with the signature of the parameter.
+/// Returns the value of a static parameter that stands for a node: the callable in `arg`, compared with the ports in
+/// `signature`. `known` are the values of the other parameters. `None` after an error.
 fn static_node<'a>(
     cx: &mut Body<'_, 'a>,
     id: DeclId,
@@ -283,7 +304,8 @@ fn bind_param<'a>(
     }
 }
 
-/// Binds a value. A value that distinguishes instances becomes part of the instance; others remain flows.
+/// Returns the value of the static parameter `name`. A value that may determine sizes is evaluated and becomes part of
+/// the instance; other values are passed as arguments when the command is loaded.
 fn bind_value<'a>(
     cx: &mut Body<'_, 'a>,
     id: DeclId,
@@ -325,7 +347,7 @@ pub(crate) fn static_type<'a>(cx: &mut Body<'_, 'a>, arg: &'a StaticArg) -> Opti
     }
 }
 
-/// Resolves a type whose name was parsed as an expression.
+/// Returns the type whose name was parsed as the expression `expr`. Reports any other expression and returns `None`.
 fn type_by_name<'a>(cx: &mut Body<'_, 'a>, expr: &'a Expr) -> Option<Ty> {
     let ExprKind::Name(name) = &expr.kind else {
         let diagnostic = Diagnostic::new(Code::RPI1010, "a type is expected here")
@@ -337,7 +359,7 @@ fn type_by_name<'a>(cx: &mut Body<'_, 'a>, expr: &'a Expr) -> Option<Ty> {
     types::type_by_plain_name(cx, name, expr.span)
 }
 
-/// Returns the diagnostic for missing static arguments.
+/// Returns the diagnostic for a call of `name` at `span` in which the static arguments `open` are missing.
 pub(crate) fn missing_static_args(
     name: &Name,
     open: &[Name],
@@ -345,19 +367,19 @@ pub(crate) fn missing_static_args(
     declared: Span,
 ) -> Diagnostic {
     let names = join_names(open.iter().map(Name::as_str));
+    let form: Vec<String> = open.iter().map(|param| format!("{param}: ...")).collect();
+    let form = form.join(", ");
     Diagnostic::new(
         Code::RPI1010,
         format!("missing static arguments of `{name}`: {names}"),
     )
     .primary(span, "required in `<<...>>`")
     .secondary(declared, "declared here")
-    .help(format!(
-        "write them before the arguments: `{name}<<{}: ...>>(...)`",
-        open.first().map_or("n", Name::as_str)
-    ))
+    .help(format!("write them after the name: `{name}<<{form}>>`"))
 }
 
-/// Returns the diagnostic for a static argument without a parameter.
+/// Returns the diagnostic for a static argument `name` for which `of` has no parameter. `near` is a similar parameter
+/// to suggest.
 pub(crate) fn unknown_static_param(of: &Name, name: &Ident, near: Option<String>) -> Diagnostic {
     // Without the static arguments in the name of an instance, which are not part of the error.
     let of = of.split("<<").next().unwrap_or(of);

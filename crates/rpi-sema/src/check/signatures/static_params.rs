@@ -17,18 +17,18 @@ use rpi_syntax::ast::{
 };
 use std::rc::Rc;
 
-/// Declaration of a static parameter: a type, a value or a node.
+/// Declaration of a static parameter: for a type, a value or a node.
 #[derive(Clone, Copy)]
 pub(crate) enum StaticParamDecl<'a> {
-    /// Type parameter with its constraint: `type t`, `type T: number`.
+    /// Type parameter, and the keyword of its constraint if there is one: `type t`, `type T: number`.
     Type(&'a Ident, Option<&'a Ident>),
-    /// Value parameter: `n: int = 3`.
+    /// Value parameter with its definition: `n: int = 3`.
     Value(&'a Ident, &'a ConstDef),
-    /// Node parameter with its ports: `node f (...) returns (...)`.
+    /// Parameter that stands for a node with these ports: `node f (...) returns (...)`.
     Node(&'a Signature),
 }
 
-/// Returns the static parameters of a declaration, one for each name.
+/// Returns the static parameters of a declaration, one for each declared name.
 pub(crate) fn static_params<'a>(statics: &'a [StaticParam]) -> Vec<StaticParamDecl<'a>> {
     let mut all = Vec::new();
     for param in statics {
@@ -49,7 +49,8 @@ pub(crate) fn static_params<'a>(statics: &'a [StaticParam]) -> Vec<StaticParamDe
     all
 }
 
-/// Returns the `const` in-ports of a node, which may determine sizes.
+/// Returns the in-ports of a node that are declared `const`. They may determine array sizes and are treated like static
+/// parameters.
 pub(crate) fn size_params(node: &NodeDecl) -> Vec<StaticParamDecl<'_>> {
     let sizes = node.size_params.iter();
     sizes
@@ -61,7 +62,7 @@ pub(crate) fn size_params(node: &NodeDecl) -> Vec<StaticParamDecl<'_>> {
         .collect()
 }
 
-/// Whether a callable declaration has a static parameter or an in-port of this name.
+/// Returns whether a callable declaration has a static parameter or an in-port of this name.
 pub(crate) fn has_param(checker: &Checker<'_>, id: DeclId, name: &Name) -> bool {
     in_port_names(checker, id).any(|port| port == name)
         || static_params_of_decl(checker, id)
@@ -91,7 +92,7 @@ pub(crate) fn in_port_idents<'a>(
     inputs.iter().flat_map(|port| &port.names)
 }
 
-/// Returns the static parameters of a callable declaration by its index.
+/// Returns the static parameters of the declaration `id`; empty if it is not callable.
 pub(crate) fn static_params_of_decl<'a>(
     checker: &Checker<'a>,
     id: DeclId,
@@ -99,7 +100,7 @@ pub(crate) fn static_params_of_decl<'a>(
     static_params_of(checker.program.decl(id).kind)
 }
 
-/// Returns the static parameters of a callable declaration.
+/// Returns the static parameters of a declaration of this kind; empty if it is not callable.
 pub(crate) fn static_params_of(kind: DeclKind<'_>) -> Vec<StaticParamDecl<'_>> {
     match kind {
         DeclKind::Node(d) => [static_params(&d.signature.statics), size_params(d)].concat(),
@@ -111,8 +112,8 @@ pub(crate) fn static_params_of(kind: DeclKind<'_>) -> Vec<StaticParamDecl<'_>> {
     }
 }
 
-/// Returns the declared type of a static value parameter, or the type of its default. The type is unknown if it
-/// depends on unbound type parameters.
+/// Returns the declared type of a static value parameter, or the type of its default. The type is unknown if it depends
+/// on type parameters without a value in `statics`.
 pub(crate) fn static_param_type<'a>(
     checker: &mut Checker<'a>,
     id: DeclId,
@@ -129,7 +130,8 @@ pub(crate) fn static_param_type<'a>(
     static_param_type_with(checker, id, def, &Rc::new(known))
 }
 
-/// Returns the types of ports in the signature of a declaration, one for each name.
+/// Returns the types of ports in the signature of declaration `id`, one for each port name. `statics` are the values of
+/// its static parameters.
 pub(crate) fn signature_port_types<'a>(
     checker: &mut Checker<'a>,
     id: DeclId,
@@ -146,7 +148,7 @@ pub(crate) fn signature_port_types<'a>(
     types
 }
 
-/// Reports errors in the port types of the node parameters of a declaration.
+/// Reports errors in the port types of those static parameters of declaration `id` that stand for nodes.
 pub(crate) fn check_node_params(
     checker: &mut Checker<'_>,
     id: DeclId,
@@ -184,7 +186,8 @@ fn static_param_type_with<'a>(
     }
 }
 
-/// Returns a body for checking the signature of a declaration, with the static parameters known so far.
+/// Returns a body for checking types in the signature of declaration `id`. `statics` are the static parameters known so
+/// far.
 fn signature_body<'s, 'a>(
     checker: &'s mut Checker<'a>,
     id: DeclId,
@@ -194,7 +197,8 @@ fn signature_body<'s, 'a>(
     Body::new(checker, id, statics.clone(), unit)
 }
 
-/// Adds defaults for parameters without an argument; returns the names that remain open.
+/// Adds to `statics` the defaults of the static parameters of `id` that have no argument. Returns the names of the
+/// parameters that have no default either.
 pub(crate) fn add_default_statics(
     checker: &mut Checker<'_>,
     id: DeclId,
@@ -249,7 +253,8 @@ fn default_static<'a>(
     Some(StaticBinding::Value(Constant { ty, leaves }))
 }
 
-/// Whether values of a type may determine sizes and branches, so that each value needs its own instance.
+/// Whether values of a type may determine array sizes and static branches, so that each value needs an instance of its
+/// own.
 pub(crate) fn distinguishes_instances(ty: &Ty) -> bool {
     match ty {
         Ty::Bool | Ty::Int | Ty::Subrange(_) | Ty::Enum(_) => true,

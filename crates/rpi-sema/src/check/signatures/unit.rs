@@ -32,13 +32,12 @@ use std::rc::Rc;
 /// Maximum number of units of a program. An infinite recursion over static parameters exceeds it.
 const MAX_UNITS: usize = 20_000;
 
-/// Entry of a unit in the table of instances: its header and how far it has been checked.
+/// Entry of a unit in the table of instances: its ports and the progress of its check.
 pub(crate) struct UnitEntry {
     pub(crate) header: Rc<Header>,
-    /// Location of the first call.
+    /// Location of the first call of the unit.
     called: Span,
-    /// Number of instances whose check was in progress when the unit was created, each created while the previous one
-    /// was checked.
+    /// Nesting: number of instances with static arguments of which each was created by the check of the previous one.
     depth: u32,
     state: Progress,
 }
@@ -99,9 +98,9 @@ fn instance_limit_exceeded(checker: &mut Checker<'_>, header: &Header, depth: u3
         false => format!("`{name}` has more than {MAX_UNITS} instances"),
     };
     let diagnostic = Diagnostic::new(Code::RPI1011, message).primary(span, "limit exceeded here");
-    checker
-        .diagnostics
-        .push(diagnostic.help("end a recursion over static parameters by `with`"));
+    checker.diagnostics.push(diagnostic.help(format!(
+        "`with` chooses at compile time where a recursion ends: `with n = ... then ... else {name}<<...>>(...)`"
+    )));
 }
 
 /// Returns the unit of a declaration that is run on its own; `None` if it needs static arguments.
@@ -134,7 +133,7 @@ pub(crate) fn root_unit(checker: &mut Checker<'_>, id: DeclId) -> Option<UnitId>
     instantiate(checker, &header, header.span)
 }
 
-/// Whether a value parameter that may determine sizes has no argument.
+/// Whether one of the parameters `open`, those without an argument, is a value that may determine array sizes.
 fn has_open_sizes(
     checker: &mut Checker<'_>,
     id: DeclId,
@@ -154,7 +153,7 @@ fn has_open_sizes(
     })
 }
 
-/// Whether a value parameter that may determine sizes has no argument, and the signature needs it.
+/// Whether one of the parameters `open` may determine array sizes, and the ports or the body need its value.
 pub(crate) fn lacks_sizes(
     checker: &mut Checker<'_>,
     id: DeclId,
@@ -169,14 +168,14 @@ pub(crate) fn lacks_sizes(
     header.is_some_and(|header| header.is_none())
 }
 
-/// Checks all units in the queue, and the units that they call.
+/// Checks all units whose check has not begun, and the units that they call.
 pub(crate) fn check_queued(checker: &mut Checker<'_>) {
     while let Some(id) = checker.instances.queue.pop_front() {
         check_unit(checker, id);
     }
 }
 
-/// Checks a unit and all units that it calls immediately, for a constant that needs them.
+/// Checks a unit and all units that it calls immediately, because a constant needs them.
 pub(crate) fn check_unit_now(checker: &mut Checker<'_>, id: UnitId) {
     let is_queued =
         |c: &Checker, id: UnitId| c.instances.entries[id.0 as usize].state == Progress::Queued;
@@ -195,7 +194,7 @@ pub(crate) fn check_unit_now(checker: &mut Checker<'_>, id: UnitId) {
     }
 }
 
-/// Whether a callable reads none of these ports. A static parameter that is never read needs no argument.
+/// Whether a callable reads none of the given ports. A static parameter that is never read needs no argument.
 pub(crate) fn reads_no_ports(
     checker: &mut Checker<'_>,
     header: &Rc<Header>,
@@ -224,7 +223,7 @@ fn calls_of(checker: &Checker<'_>, id: UnitId) -> Vec<UnitId> {
     calls.collect()
 }
 
-/// Whether a declaration belongs to the standard library.
+/// Returns whether a declaration belongs to the standard library.
 fn is_in_library(checker: &Checker<'_>, id: DeclId) -> bool {
     let module = checker.program.module(checker.program.decl(id).module);
     let modules = (checker.program.library.modules)();
@@ -255,7 +254,7 @@ fn check_unit(checker: &mut Checker<'_>, id: UnitId) {
     checker.instances.entries[id.0 as usize].state = Progress::Done;
 }
 
-/// Adds to each error in a generic callable the call for which it is checked.
+/// Adds to each error in an instance of a generic callable the call for which the instance is checked.
 fn attribute_to_call(cx: &mut Body<'_, '_>, header: &Header, called: Span) {
     let diagnostics = std::mem::take(&mut cx.diagnostics);
     let is_error = |diagnostic: &Diagnostic| diagnostic.severity() == Severity::Error;
@@ -302,7 +301,7 @@ fn check_decl(cx: &mut Body<'_, '_>, id: DeclId) {
 
 fn check_node<'a>(cx: &mut Body<'_, 'a>, node: &'a NodeDecl) {
     check_modifier(cx, node);
-    cx.contract.is_contract = node.kind == NodeKind::Contract;
+    cx.unit.is_contract = node.kind == NodeKind::Contract;
     match &node.definition {
         NodeDef::Body(body) => {
             let allowed = match node.kind {
@@ -327,30 +326,30 @@ fn check_node<'a>(cx: &mut Body<'_, 'a>, node: &'a NodeDecl) {
     }
 }
 
-/// Reports a modifier that contradicts its declaration: a missing body or contract, or a body of an external
-/// declaration.
+/// Reports a modifier that contradicts its declaration: `opaque` without a contract, `transparent` without a body, or
+/// an external declaration with a body.
 fn check_modifier(cx: &mut Body<'_, '_>, node: &NodeDecl) {
     let has_body = matches!(node.definition, NodeDef::Body(_));
-    if has_body && let Some(outside) = node.external_form.keyword() {
-        let name = &node.signature.name;
+    let (name, outside) = (&node.signature.name, node.external_form.keyword());
+    if has_body && let Some(outside) = outside {
         let message = format!("`{}` is external but has a body", name.name);
         let diagnostic = Diagnostic::new(Code::RPI1014, message);
         let diagnostic = diagnostic.primary(name.span, format!("declared as `{outside}`"));
-        report::report_diagnostic(
-            cx,
-            diagnostic.help(format!("remove `{outside}` or the body")),
-        );
+        let diagnostic = diagnostic.help(format!("remove `{outside}` or the body"));
+        report::report_diagnostic(cx, diagnostic);
     }
-    let (lacks, word) = match node.modifier {
-        Modifier::Opaque if node.contract.is_none() => ("a contract", "opaque"),
-        Modifier::Transparent if !has_body => ("a body", "transparent"),
+    let (lacks, word, instead_of) = match node.modifier {
+        Modifier::Opaque if node.contract.is_none() => ("a contract", "opaque", None),
+        Modifier::Transparent if !has_body => ("a body", "transparent", outside),
         _ => return,
     };
-    let name = &node.signature.name;
     let message = format!("`{}` is `{word}` but lacks {lacks}", name.name);
     let diagnostic = Diagnostic::new(Code::RPI1014, message)
         .primary(name.span, format!("callers rely on {lacks}"))
-        .help(format!("add {lacks}, or remove `{word}`"));
+        .help(match instead_of {
+            Some(old) => format!("replace `{old}` by {lacks}, or remove `{word}`"),
+            None => format!("add {lacks}, or remove `{word}`"),
+        });
     report::report_diagnostic(cx, diagnostic);
 }
 
@@ -373,7 +372,7 @@ fn state_in_function(cx: &mut Body<'_, '_>, span: Span) {
     );
 }
 
-/// Returns the kind and the name of the node or fragment that is called at a location of the body.
+/// Returns the kind and name of the node or fragment called at this location of the body; `None` if there is none.
 fn called_at(cx: &Body<'_, '_>, span: Span) -> Option<(&'static str, rpi_syntax::Name)> {
     let mut here = cx.unit.exprs.iter().filter(|expr| expr.span == span);
     here.find_map(|expr| match &expr.kind {
@@ -439,12 +438,12 @@ fn check_body_with<'a>(
     assumed
 }
 
-/// Whether the file of the body is RPI text, not Lustre.
+/// Whether the body is in a file in RPI syntax, not in Lustre.
 pub(crate) fn reads_rpi_syntax(cx: &Body<'_, '_>) -> bool {
     cx.mode == rpi_syntax::Dialect::Rpi
 }
 
-/// Whether a declaration can be called.
+/// Returns whether a declaration can be called.
 pub(crate) fn is_callable(kind: DeclKind<'_>) -> bool {
     unit_kind(kind).is_some_and(|kind| !kind.is_root())
 }

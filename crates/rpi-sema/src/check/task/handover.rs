@@ -15,21 +15,22 @@ use rpi_diag::{Code, Diagnostic, Span};
 use rpi_syntax::Name;
 use rpi_syntax::ast::{NextStep, Run};
 
-/// Steps of a task that may run before a step.
+/// Steps of a task after which a certain step may run.
 pub(super) enum Predecessors<'a> {
-    /// No step: the step may be the first one.
+    /// No step runs before: the step is the first one of the task.
     None,
     /// This step runs directly before.
     Run(&'a Run),
-    /// Parallel branches, each with the steps that it can end with. A value comes from the first branch that provides
-    /// it at each of its ends.
+    /// Parallel branches, each with the steps with which it can end. A value that a command takes over comes from the
+    /// first branch in which all these steps provide it.
     Parallel(Vec<Vec<&'a Run>>),
 }
 
-/// A step, and the steps that may run before it.
+/// A step of a task, and the steps after which it may run.
 pub(super) type Succession<'a> = (Predecessors<'a>, &'a Run);
 
-/// Returns the steps that may directly follow a step.
+/// Returns the steps that may directly follow the step `run`: those at the labels of its branches, or the steps `next`
+/// if it has no branches.
 pub(super) fn successor_steps<'a>(
     run: &'a Run,
     next: &Continuation<'a>,
@@ -49,7 +50,7 @@ pub(super) fn successor_steps<'a>(
         .collect()
 }
 
-/// An input without a default that a command takes over.
+/// Input of a command that takes the value from the command that runs before, and that has no default.
 struct TakenOverInput {
     flow: FlowId,
     name: Name,
@@ -57,8 +58,8 @@ struct TakenOverInput {
     declared: Span,
 }
 
-/// Checks that the values which commands take over are provided; reports each missing value once for a step.
-/// Whether a provided value may be absent is checked later.
+/// Checks that the commands before each step provide the values that its command takes over, and records their sources.
+/// Reports each missing value once for a step. Whether a provided value may be absent is checked later.
 pub(super) fn check_handover<'a>(cx: &mut Body<'_, 'a>, follows: &[Succession<'a>]) {
     let mut reported: Vec<(Span, Name)> = Vec::new();
     for (before, run) in follows {
@@ -81,8 +82,8 @@ pub(super) fn check_handover<'a>(cx: &mut Body<'_, 'a>, follows: &[Succession<'a
     }
 }
 
-/// Returns the sources of a value that a step takes over from the steps before it, or the diagnostic for a missing
-/// value.
+/// Returns the sources of a value that the step `run` takes over from the steps before it, or the diagnostic for a
+/// missing value.
 fn value_sources<'a>(
     cx: &mut Body<'_, 'a>,
     taken: &TakenOverInput,
@@ -91,8 +92,10 @@ fn value_sources<'a>(
 ) -> Result<Vec<TakenOverValue>, Box<Diagnostic>> {
     match before {
         Predecessors::None => Err(Box::new(
-            missing_handover(taken, run)
-                .help("no command runs before it; declare it as a parameter of the command"),
+            missing_handover(taken, run).help(format!(
+                "no command runs before `{0}`: declare `{1}` as a parameter instead, `command {0} ({1}: {2})`",
+                run.callee.name.name, taken.name, taken.ty
+            )),
         )),
         Predecessors::Run(before) => sources_from_all(cx, taken, &[before], run),
         Predecessors::Parallel(strands) => {
@@ -108,7 +111,7 @@ fn value_sources<'a>(
     }
 }
 
-/// Returns the sources of a value that each of these commands must provide. Inner tasks are skipped.
+/// Returns the sources of a value that each of the steps `before` must provide. Steps that run a task are skipped.
 fn sources_from_all(
     cx: &mut Body<'_, '_>,
     taken: &TakenOverInput,
@@ -124,14 +127,15 @@ fn sources_from_all(
     Ok(all)
 }
 
-/// Returns the unit of the command that a step runs; `None` if the step runs a task, and before the arguments are
-/// known.
+/// Returns the unit of the command that a step runs; `None` if the step runs a task, or if its arguments have not been
+/// checked or have errors.
 pub(super) fn command_of(cx: &Body<'_, '_>, run: &Run) -> Option<UnitId> {
     let step = task_step_of(cx, run).filter(|step| is_command_step(cx, *step))?;
     Some(cx.unit.steps[step].unit)
 }
 
-/// Returns the index of the step in the unit of the task; `None` before its arguments are known.
+/// Returns the index of a step among the steps of the task's unit; `None` if its arguments have not been checked or
+/// have errors.
 fn task_step_of(cx: &Body<'_, '_>, run: &Run) -> Option<usize> {
     let mut steps = cx.unit.steps.iter();
     steps.position(|step| step.span == run.callee.span)
@@ -170,8 +174,12 @@ fn source_from(
     debug_assert!(unit.kind == UnitKind::Command);
     let mut exports = unit.block(BlockId::ROOT).exports.iter().enumerate();
     let Some((index, export)) = exports.find(|(_, export)| export.key == name.as_str()) else {
-        let help = format!("add `export {name};` to `{}`", unit.name);
-        let diagnostic = missing_handover(taken, run).secondary(span, "this runs before it");
+        let help = format!(
+            "define a flow `{name}: {ty}` in `{}` and add `export {name};`",
+            unit.name
+        );
+        let diagnostic = missing_handover(taken, run)
+            .secondary(span, format!("this runs before `{}`", run.callee.name.name));
         return Err(Box::new(diagnostic.help(help)));
     };
     let found = &unit.expr(export.value).ty;
@@ -185,10 +193,18 @@ fn source_from(
             span,
         }),
         Err(_) => {
-            let text = format!("this `{name}` is `{found}`, expected `{ty}`");
-            let help =
-                format!("give both the same type, for example `{name}: {found}` after `given`");
-            let diagnostic = missing_handover(taken, run).secondary(export.span, text);
+            let text = format!("this `{name}` is `{found}`, but `{ty}` is taken over");
+            let help = format!(
+                "export a value of the type `{ty}`, or take over `{name}: {found}` after `given`"
+            );
+            let mut diagnostic = missing_handover(taken, run).secondary(export.span, text);
+            diagnostic.message = format!(
+                "`{}` takes over `{name}` as `{ty}`, but its predecessor exports `{found}`",
+                run.callee.name.name
+            );
+            if let Some(label) = diagnostic.labels.first_mut() {
+                label.text = format!("`{name}` has another type here");
+            }
             Err(Box::new(diagnostic.help(help)))
         }
     }

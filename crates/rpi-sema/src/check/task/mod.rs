@@ -4,12 +4,14 @@
 //! | file | idea |
 //! |---|---|
 //! | `results.rs` | branches and the results of a command |
+//! | `labels.rs` | labels of other lists of steps |
 //! | `takeover.rs` | successors of a `yield` |
 //! | `handover.rs` | values that a command takes over |
 //! | `sequence.rs` | first and last steps of a list |
 //! | `parallel.rs` | parallel branches must drive different devices |
 
 pub(crate) mod handover;
+mod labels;
 mod parallel;
 mod results;
 pub(crate) mod sequence;
@@ -28,6 +30,7 @@ use crate::check::diagnostics::report::ExpectationReason;
 use crate::check::diagnostics::report::undefined_name;
 use crate::check::diagnostics::report::wrong_kind_of_name;
 use crate::check::exprs::expr;
+use crate::check::exprs::names;
 use crate::check::signatures::static_args;
 use crate::check::signatures::unit;
 use crate::check::task::handover::{Predecessors, Succession};
@@ -36,20 +39,22 @@ use crate::check::types::consts;
 use crate::program::{DeclId, DeclKind, Lookup, duplicate_name_error};
 use crate::ty::Ty;
 use crate::typed::{ExprId, TaskStep};
-use rpi_diag::{Code, Diagnostic};
-use rpi_syntax::ast::{Expr, Ident, NextStep, ParallelBranch, Run, Step, StepKind, TaskDecl};
+use rpi_diag::{Code, Diagnostic, Quote};
+use rpi_syntax::ast::{
+    Expr, Ident, NextStep, ParallelBranch, Run, Step, StepKind, TaskDecl, VarDecl,
+};
 
-/// Maximum number of repetitions: at one per millisecond they take twelve days.
+/// Maximum number of repetitions in a `repeat`. At one repetition per millisecond they take twelve days.
 const MAX_REPETITIONS: i64 = 1 << 30;
 
-/// Labels that a step can jump to, with their steps; those of the innermost list last.
+/// Labels of steps to which a branch can lead, with their steps. The labels of the innermost list of steps come last.
 type Labels<'a> = Vec<(&'a Ident, &'a Run)>;
 
-/// Steps that follow a step if no branch is taken; several if parallel branches begin.
+/// Steps that run after a step without branches. There are several if parallel branches begin.
 #[derive(Clone, Default)]
 struct Continuation<'a> {
     runs: Vec<&'a Run>,
-    /// Whether the steps start only after other parallel branches have ended, too.
+    /// Whether the steps start only after other parallel branches have ended as well.
     waits_for_branches: bool,
 }
 
@@ -62,17 +67,21 @@ impl<'a> Continuation<'a> {
     }
 }
 
-/// Checks the steps of a task.
+/// Checks the steps of a task, the values that each step takes over from the ones before, and the devices that steps
+/// drive in parallel.
 pub(crate) fn check_task<'a>(cx: &mut Body<'_, 'a>, task: &'a TaskDecl) {
     let first = first_steps(&task.steps).into_iter();
     let mut follows: Vec<Succession<'a>> = first.map(|run| (Predecessors::None, run)).collect();
     let nothing = Continuation::default();
+    let before = cx.diagnostics.len();
     check_steps(cx, &task.steps, &nothing, &mut Labels::new(), &mut follows);
+    labels::hint_labels_elsewhere(&mut cx.diagnostics[before..], &task.steps);
     crate::check::task::handover::check_handover(cx, &follows);
     parallel::check_parallel_devices(cx, task);
 }
 
-/// Checks a list of steps; `again` are the steps that follow the last one: in a `repeat` the first ones of the list.
+/// Checks a list of steps and appends the successions of steps to `follows`. `again` are the steps that follow the last
+/// one; in a `repeat`, they are the first steps of the list.
 fn check_steps<'a>(
     cx: &mut Body<'_, 'a>,
     steps: &'a [Step],
@@ -119,7 +128,8 @@ fn check_steps<'a>(
     labels.truncate(outer);
 }
 
-/// Checks parallel branches. From inside of a branch no step outside can be reached by label.
+/// Checks the branches of a `parallel`. From inside of a branch, no step outside can be reached by its label. `next`
+/// are the steps after the `parallel`.
 fn check_parallel<'a>(
     cx: &mut Body<'_, 'a>,
     strands: &'a [ParallelBranch],
@@ -140,7 +150,7 @@ fn check_parallel<'a>(
     }
 }
 
-/// Returns the step of a label; reports an undefined label.
+/// Returns the step with this label. Reports an undefined label and returns `None`.
 fn find_label<'a>(cx: &mut Body<'_, 'a>, label: &Ident, labels: &Labels<'a>) -> Option<&'a Run> {
     let found = labels
         .iter()
@@ -163,7 +173,8 @@ fn find_label<'a>(cx: &mut Body<'_, 'a>, label: &Ident, labels: &Labels<'a>) -> 
     found.map(|(_, run)| *run)
 }
 
-/// Checks a number of repetitions: an integer that is known when the task is loaded.
+/// Checks the number of repetitions of a `repeat`: an integer that is known when the task is loaded. `None` means an
+/// endless repetition.
 fn check_repeat_count<'a>(cx: &mut Body<'_, 'a>, count: Option<&'a Expr>) {
     let Some(count) = count else { return };
     let value = expr::check_expr(cx, count);
@@ -194,7 +205,7 @@ fn repeat_count_out_of_range(cx: &mut Body<'_, '_>, times: i64, count: &Expr) {
     );
 }
 
-/// Whether a value is known when the task is loaded; reports a value that is not.
+/// Whether a value is known when the task is loaded. Reports a value that changes while commands run.
 fn check_known_at_load(cx: &mut Body<'_, '_>, value: ExprId) -> bool {
     let known = args::is_load_time_constant(cx, value);
     if !known {
@@ -224,7 +235,7 @@ fn check_run<'a>(cx: &mut Body<'_, 'a>, run: &'a Run, next: &[&'a Run], labels: 
     }
 }
 
-/// Returns the diagnostic about a step that runs an undefined command.
+/// Returns the diagnostic for a step that runs a command with an undefined name.
 fn undefined_command(cx: &Body<'_, '_>, name: &Ident) -> Diagnostic {
     let runs = |id: DeclId| is_runnable(cx.checker.program.decl(id).kind);
     let visible = cx.checker.program.visible_names(cx.module, runs);
@@ -241,7 +252,7 @@ fn undefined_command(cx: &Body<'_, '_>, name: &Ident) -> Diagnostic {
     }
 }
 
-/// Returns the command or task that a step runs; reports any other name.
+/// Returns the command or task that a step runs. Reports a name with another meaning and returns `None`.
 fn resolve_run<'a>(cx: &mut Body<'_, 'a>, run: &'a Run) -> Option<DeclId> {
     let name = &run.callee.name;
     let Lookup::Found(id) = cx.checker.program.lookup(cx.module, &name.name) else {
@@ -264,10 +275,12 @@ fn resolve_run<'a>(cx: &mut Body<'_, 'a>, run: &'a Run) -> Option<DeclId> {
     None
 }
 
-/// Checks the arguments of a step, and adds the step to the unit.
+/// Checks the arguments of a step that runs the command or task `id`, and adds the step to the unit of the task.
 fn check_run_arguments<'a>(cx: &mut Body<'_, 'a>, id: DeclId, run: &'a Run) {
     let bound = static_args::bind_statics(cx, id, &run.callee.statics);
+    let before = cx.diagnostics.len();
     let (mut given, all_named) = args::check_args_for(cx, id, &run.args.iter().collect::<Vec<_>>());
+    hint_parameter_types(cx, id, run, before);
     given.extend(bound.ports);
     if bound.has_error || !all_named {
         return;
@@ -284,6 +297,35 @@ fn check_run_arguments<'a>(cx: &mut Body<'_, 'a>, id: DeclId, run: &'a Run) {
             args,
             taken_over: Vec::new(),
         });
+    }
+}
+
+/// Adds the type of the parameter to the diagnostics from `before` on about undefined arguments of a step.
+fn hint_parameter_types(cx: &mut Body<'_, '_>, id: DeclId, run: &Run, before: usize) {
+    let params = match cx.checker.program.decl(id).kind {
+        DeclKind::Command(command) => &command.params,
+        DeclKind::Task(task) => &task.params,
+        _ => return,
+    };
+    let all = params
+        .iter()
+        .flat_map(|param| param.names.iter().map(move |name| (name, param)));
+    let all: Vec<(&Ident, &VarDecl)> = all.collect();
+    for (k, arg) in run.args.iter().enumerate() {
+        let by_name = |name: &Ident| all.iter().find(|(param, _)| param.name == name.name);
+        let param = arg.name.as_ref().map_or(all.get(k), by_name);
+        let (Some((_, param)), Some(name)) = (param, names::plain_name(&arg.value)) else {
+            continue;
+        };
+        let task = &cx.unit.name;
+        let mut found = cx.diagnostics.iter_mut().skip(before);
+        let undefined = found.find(|it| it.code == Code::RPI1001 && it.span() == arg.value.span);
+        if let Some(diagnostic) = undefined.filter(|it| it.fixes.is_empty()) {
+            diagnostic.help = vec![format!(
+                "declare the devices and values of a task as its parameters: `task {task} ({name}: {})`",
+                Quote::text(param.ty.span)
+            )];
+        }
     }
 }
 

@@ -17,28 +17,29 @@ use rpi_diag::{Code, Diagnostic, Span};
 use rpi_syntax::Name;
 use rpi_syntax::ast::{Arg, Run, Step, StepKind, TaskDecl, VarDecl};
 
-/// Devices that some steps of a task drive, by their names in that task.
+/// Devices that some steps of a task drive. The devices are given by their names in that task.
 #[derive(Clone, Default)]
 pub(crate) struct DeviceUses {
-    /// Driven devices, each with the location of its first use.
+    /// Names of the driven devices, each with the location of its first use.
     drives: BTreeMap<Name, Span>,
-    /// Pairs of names that are driven at the same time.
+    /// Pairs of names of devices that are driven at the same time, so that they must not name the same device.
     must_differ: BTreeSet<(Name, Name)>,
-    /// Devices that two branches drive at the same time.
+    /// Conflicts: devices that two parallel branches drive at the same time.
     conflicts: Vec<DeviceConflict>,
 }
 
-/// A device that two parallel branches drive, with both locations.
+/// Device that two parallel branches drive, with the locations of the steps that drive it.
 #[derive(Clone)]
 struct DeviceConflict {
     device: Name,
     first: Span,
     second: Span,
-    /// For branches of an inner task: its name, and its two names for the device.
+    /// If the parallel branches are in a task that the step runs: the name of that task, and the two names of the
+    /// device in it. `None` otherwise.
     inner_task: Option<(Name, Name, Name)>,
 }
 
-/// Checks that parallel branches drive different devices.
+/// Reports each device that two parallel branches of a task drive at the same time.
 pub(super) fn check_parallel_devices(cx: &mut Body<'_, '_>, task: &TaskDecl) {
     let mut looked = DeviceAnalysis {
         program: cx.checker.program,
@@ -54,9 +55,9 @@ pub(super) fn check_parallel_devices(cx: &mut Body<'_, '_>, task: &TaskDecl) {
 /// Analysis of the devices that tasks drive; each task is analysed once.
 struct DeviceAnalysis<'c, 'p> {
     program: &'p Program<'p>,
-    /// Devices of each analysed task, by the names in that task.
+    /// Devices of each task that has been analysed, by their names in that task.
     results: &'c mut FastMap<DeclId, Rc<DeviceUses>>,
-    /// Tasks in progress. A task that runs itself is reported elsewhere.
+    /// Tasks whose analysis is in progress. A task that runs itself is reported by another check.
     in_progress: Vec<DeclId>,
 }
 
@@ -81,7 +82,8 @@ impl DeviceAnalysis<'_, '_> {
         all
     }
 
-    /// Returns the devices that a step drives, by the names in its task.
+    /// Returns the devices that a step drives, by their names in the task of the step. `module` is the module of that
+    /// task.
     fn run(&mut self, run: &Run, module: ModuleId) -> DeviceUses {
         let name = &run.callee.name.name;
         let Lookup::Found(id) = self.program.lookup(module, name) else {
@@ -104,7 +106,7 @@ impl DeviceAnalysis<'_, '_> {
         }
     }
 
-    /// Returns the devices that a task drives, by its own names.
+    /// Returns the devices that the task `id` drives, by their names in that task.
     fn task(&mut self, id: DeclId, task: &TaskDecl, module: ModuleId) -> Rc<DeviceUses> {
         if let Some(known) = self.results.get(&id) {
             return known.clone();
@@ -121,7 +123,7 @@ impl DeviceAnalysis<'_, '_> {
 }
 
 impl DeviceUses {
-    /// Adds the devices of steps that run before or after.
+    /// Adds the devices of steps that run before or after these steps, not at the same time.
     fn merge_sequential(&mut self, other: DeviceUses) {
         for (device, span) in other.drives {
             self.drives.entry(device).or_insert(span);
@@ -130,7 +132,7 @@ impl DeviceUses {
         self.conflicts.extend(other.conflicts);
     }
 
-    /// Adds the devices of steps that run at the same time.
+    /// Adds the devices of steps that run at the same time as these steps. A device that both drive is a conflict.
     fn merge_parallel(mut self, other: DeviceUses) -> DeviceUses {
         for (device, second) in &other.drives {
             for (own, first) in &self.drives {
@@ -150,8 +152,8 @@ impl DeviceUses {
         self
     }
 
-    /// Returns the devices of a command or task with these parameters, by the names in the task that runs it. Clashes
-    /// inside of a task are reported in that task.
+    /// Returns the devices of a command or task with the parameters `params`, by their names in the task whose step
+    /// `run` runs it. Conflicts that are inside of the task itself are left out, because they are reported there.
     fn renamed_for_caller(&self, run: &Run, params: &[VarDecl]) -> DeviceUses {
         let names: Vec<&Name> = params
             .iter()
@@ -186,7 +188,8 @@ impl DeviceUses {
     }
 }
 
-/// Returns the name that a step passes for a parameter.
+/// Returns the name of the flow or device that a step passes for the parameter `param`; `None` if the argument is
+/// missing or not a plain name. `names` are the parameters in their order.
 fn argument_name(run: &Run, names: &[&Name], param: &Name) -> Option<Name> {
     let is_for = |(k, arg): &(usize, &Arg)| match &arg.name {
         Some(name) => name.name == *param,
@@ -199,14 +202,17 @@ fn argument_name(run: &Run, names: &[&Name], param: &Name) -> Option<Name> {
 impl DeviceConflict {
     fn diagnostic(&self) -> Diagnostic {
         let device = &self.device;
-        let help = "parallel branches need different devices: run one after the other, or move the device in a single command";
+        let help = "parallel branches need different devices: run one after the other, or drive the device in a single command";
         match &self.inner_task {
             None => Diagnostic::new(
                 Code::RPI8005,
                 format!("two branches of `parallel` drive `{device}`"),
             )
-            .primary(self.second, format!("this drives `{device}`"))
-            .secondary(self.first, "and so does this, at the same time"),
+            .primary(
+                self.second,
+                format!("this drives `{device}` at the same time"),
+            )
+            .secondary(self.first, format!("this drives `{device}`")),
             Some((task, a, b)) => Diagnostic::new(
                 Code::RPI8005,
                 format!("two parallel branches of `{task}` drive `{device}`"),

@@ -9,7 +9,7 @@ use rpi_diag::{Code, Diagnostic, Fix};
 use rpi_syntax::Name;
 use rpi_syntax::ast::{self, CommandDecl, CommandEndKind, Ident, ResultPattern, Run};
 
-/// Reports branches that name a result of a task, which has no named results.
+/// Reports the branches of a step that runs a task if they name a result, because a task has no named results.
 pub(super) fn report_task_results(cx: &mut Body<'_, '_>, run: &Run) {
     let of = format!("the task `{}`", run.callee.name.name);
     for result in run.branches.iter().flat_map(|branch| &branch.results) {
@@ -21,7 +21,7 @@ pub(super) fn report_task_results(cx: &mut Body<'_, '_>, run: &Run) {
     }
 }
 
-/// Checks that the branches of a step name results of the command, and that every result leads somewhere.
+/// Checks that the branches of a step name results of its command, and that there is a branch for each result.
 pub(super) fn check_branches(cx: &mut Body<'_, '_>, command: &CommandDecl, run: &Run) {
     let ends = end_statements(command);
     let mut named: Vec<&Ident> = Vec::new();
@@ -66,7 +66,7 @@ fn check_branch(cx: &mut Body<'_, '_>, command: &CommandDecl, result: &Ident, na
     }
 }
 
-/// Returns the diagnostic for results without a branch.
+/// Returns the diagnostic for the results `lost` of a command, for which the step has no branch.
 fn unhandled_results(run: &Run, lost: &[&ast::CommandEnd]) -> Diagnostic {
     let callee = &run.callee.name;
     let names = join_names(lost.iter().map(|end| end.result.name.as_str()));
@@ -79,8 +79,10 @@ fn unhandled_results(run: &Run, lost: &[&ast::CommandEnd]) -> Diagnostic {
         diagnostic = diagnostic.secondary(end.result.span, "possible result");
     }
     let all: Vec<&str> = lost.iter().map(|end| end.result.name.as_str()).collect();
-    let diagnostic =
-        diagnostic.help("add a branch: `| on r then step`, or `| on any then end` for all others");
+    let diagnostic = diagnostic.help(format!(
+        "add a branch with the next step: `| on {} then ...`, or `| on any then end` to end the task",
+        all.join(", ")
+    ));
     match run.branches.last() {
         Some(last) => diagnostic.fix(
             Fix::maybe("end the task in these cases")

@@ -2,7 +2,7 @@
 
 use rpi_syntax::ast::{NextStep, Run, Step, StepKind};
 
-/// Returns the command or task that a step runs; `None` for other steps.
+/// Returns the command or task, with its arguments, that a step runs; `None` for other steps such as `repeat`.
 pub(super) fn run_of(step: &Step) -> Option<&Run> {
     match &step.kind {
         StepKind::Run(run) => Some(run),
@@ -10,7 +10,7 @@ pub(super) fn run_of(step: &Step) -> Option<&Run> {
     }
 }
 
-/// Returns the steps with which a list of steps begins; several if it begins with parallel branches.
+/// Returns the steps with which a list of steps can begin; several if it begins with parallel branches.
 pub(super) fn first_steps(steps: &[Step]) -> Vec<&Run> {
     let start = steps.iter().find_map(|step| match &step.kind {
         StepKind::Start(label) => Some(&label.name),
@@ -29,7 +29,7 @@ pub(super) fn first_steps(steps: &[Step]) -> Vec<&Run> {
     }
 }
 
-/// Returns the commands or tasks that a step runs first.
+/// Returns the commands or tasks that a step runs first. A `parallel` has several.
 pub(super) fn entry_steps(step: &Step) -> Vec<&Run> {
     match &step.kind {
         StepKind::Repeat { steps, .. } => first_steps(steps),
@@ -38,7 +38,7 @@ pub(super) fn entry_steps(step: &Step) -> Vec<&Run> {
     }
 }
 
-/// Returns the steps with which a list of steps can end: the last one, and those with a branch to `end`.
+/// Returns the steps with which a list of steps can end: the last step, and those with a branch to `end`.
 pub(super) fn last_steps(steps: &[Step]) -> Vec<&Run> {
     let ends = |run: &&Run| {
         run.branches

@@ -18,7 +18,8 @@ use rpi_syntax::ast::{
     StatementKind,
 };
 
-/// Checks that the successors of a `yield` take over every device that may still be moving.
+/// Checks that, after each `yield` of a step's command, the next steps drive every device that may still be moving.
+/// `next` are the steps that follow without a branch.
 pub(super) fn check_successors<'a>(
     cx: &mut Body<'_, 'a>,
     command: &CommandDecl,
@@ -49,7 +50,7 @@ pub(super) fn check_successors<'a>(
     }
 }
 
-/// Returns the parameters of a command through which it writes values that can move a device.
+/// Returns the parameters of the command that a step runs through which it writes set-points that can move a device.
 fn moved_params(cx: &mut Body<'_, '_>, run: &Run) -> Vec<Name> {
     let Some(unit) = handover::command_of(cx, run) else {
         return Vec::new();
@@ -65,7 +66,7 @@ fn moved_params(cx: &mut Body<'_, '_>, run: &Run) -> Vec<Name> {
     moved.map(|flow| unit.flow(flow).name.clone()).collect()
 }
 
-/// Returns the devices that these steps drive together; `None` if one of them does not run a command.
+/// Returns the names of the devices that these steps drive together; `None` if one of the steps does not run a command.
 fn devices_taken_by<'r>(cx: &Body<'_, '_>, runs: &[&'r Run]) -> Option<Vec<&'r str>> {
     let mut taken = Vec::new();
     for run in runs {
@@ -81,7 +82,8 @@ fn devices_taken_by<'r>(cx: &Body<'_, '_>, runs: &[&'r Run]) -> Option<Vec<&'r s
     Some(taken)
 }
 
-/// Whether a port of this type may be the set-point of a motion. Booleans, integers and enum values switch at once.
+/// Whether a set-point of this type can move a device. Outputs that are Booleans, integers or enum values switch at
+/// once.
 fn is_motion_type(ty: &Ty) -> bool {
     match ty {
         Ty::Bool | Ty::Int | Ty::Subrange(_) | Ty::Enum(_) => false,
@@ -93,7 +95,8 @@ fn is_motion_type(ty: &Ty) -> bool {
     }
 }
 
-/// Returns the steps that run after a result of a command; several if parallel branches begin.
+/// Returns the steps that run after the result `result` of the step's command; several if parallel branches begin, none
+/// if the task ends. `next` are the steps that follow without a branch.
 fn check_target<'a>(
     run: &'a Run,
     result: &Name,
@@ -124,7 +127,7 @@ fn check_target<'a>(
     }
 }
 
-/// Returns the parameters of a command through which it writes to devices.
+/// Returns the parameters of a command through which it writes set-points to devices.
 pub(super) fn driven_params(command: &CommandDecl) -> Vec<&Name> {
     let mut written = Vec::new();
     written_names(&command.body.statements, &mut written);
@@ -135,7 +138,8 @@ pub(super) fn driven_params(command: &CommandDecl) -> Vec<&Name> {
         .collect()
 }
 
-/// Collects the names of which statements define a part, also in fragments and states.
+/// Appends to `written` the names on the left sides of equations of which a part is defined, as in `arm.tcp = ...`,
+/// also inside of fragments and states.
 fn written_names<'s>(statements: &'s [Statement], written: &mut Vec<&'s Name>) {
     for statement in statements {
         match &statement.kind {
@@ -153,7 +157,8 @@ fn written_names<'s>(statements: &'s [Statement], written: &mut Vec<&'s Name>) {
     }
 }
 
-/// Returns the names that a step passes for these parameters; arguments that are not plain names are skipped.
+/// Returns the names of the devices that a step passes for the parameters `params` of its command. Arguments that are
+/// not plain names are skipped.
 fn check_args_for<'r>(params: &[&Name], command: &CommandDecl, run: &'r Run) -> Vec<&'r str> {
     let names: Vec<&Name> = command
         .params
@@ -184,7 +189,10 @@ fn not_taken_over(
         successor.name, command.name.name
     );
     Diagnostic::new(Code::RPI6201, message)
-        .primary(successor.span, format!("it does not drive {devices}"))
+        .primary(successor.span, format!("`{}` does not drive {devices}", successor.name))
         .secondary(end.result.span, format!("here {devices} may still be moving"))
-        .help("the command ignores this `yield` and continues until it is at rest; drive the device in the successor, or branch on another result")
+        .help(format!(
+            "`{}` ignores this `yield` and continues until it is at rest: drive {devices} in `{}` as well, or delete the `yield`",
+            command.name.name, successor.name
+        ))
 }

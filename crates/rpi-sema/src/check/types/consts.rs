@@ -23,7 +23,8 @@ use rpi_image::Scalar;
 use rpi_syntax::ast;
 use std::rc::Rc;
 
-/// Returns the value of a constant or of the pose of a frame; `None` after an error.
+/// Returns the value of a constant, or the pose of a frame, and checks its definition on first use; `None` after an
+/// error.
 pub(crate) fn check_constant(checker: &mut Checker<'_>, id: DeclId) -> Option<Constant> {
     match checker.constants.get(&id) {
         Some(Lazy::Done(constant)) => {
@@ -72,8 +73,8 @@ pub(crate) fn check_constant(checker: &mut Checker<'_>, id: DeclId) -> Option<Co
     constant
 }
 
-/// Checks a Lustre constant on its own. It, or a constant that it depends on, may lack a value as long as no node
-/// needs it, so that this is only reported where it is used.
+/// Checks a constant of Lustre on its own. The constant, or one on which it depends, may lack a value as long as no
+/// node needs it; the missing value is then reported where the constant is used.
 pub(crate) fn check_lustre_constant(checker: &mut Checker<'_>, id: DeclId) {
     let before = checker.diagnostics.len();
     check_constant(checker, id);
@@ -94,7 +95,7 @@ pub(crate) fn check_lustre_constant(checker: &mut Checker<'_>, id: DeclId) {
     }
 }
 
-/// Returns the value of a constant definition.
+/// Returns the value of a constant definition; `None` after an error.
 pub(crate) fn constant_def<'a>(cx: &mut Body<'_, 'a>, def: &'a ast::ConstDef) -> Option<Constant> {
     let declared = def.ty.as_ref().map(|ty| types::resolve_type(cx, ty));
     let Some(value) = &def.value else {
@@ -123,7 +124,7 @@ pub(crate) fn constant_def<'a>(cx: &mut Body<'_, 'a>, def: &'a ast::ConstDef) ->
     Some(Constant { ty, leaves })
 }
 
-/// Returns the pose of a frame in its parent frame, if the declaration gives one.
+/// Returns the pose of a frame in its parent frame; `None` if the declaration gives no pose, or after an error.
 fn frame_pose<'a>(
     cx: &mut Body<'_, 'a>,
     name: &rpi_syntax::Name,
@@ -143,8 +144,8 @@ fn frame_pose<'a>(
     Some(Constant { ty, leaves })
 }
 
-/// Returns the value of a constant expression of the given type; reports an expression of another type or that is
-/// not constant.
+/// Returns the value of a constant expression of the given type as the values of its leaves (scalar parts). Reports an
+/// expression that has another type or is not constant, and returns `None`.
 pub(crate) fn const_value<'a>(
     cx: &mut Body<'_, 'a>,
     value: &'a ast::Expr,
@@ -154,7 +155,7 @@ pub(crate) fn const_value<'a>(
     const_value_of(cx, id, ty)
 }
 
-/// Returns the value of a checked expression, as [`const_value`] does.
+/// Returns the value of an expression that has been checked, with the same conditions as [`const_value`].
 pub(crate) fn const_value_of(cx: &mut Body<'_, '_>, id: ExprId, ty: &Ty) -> Option<Rc<[Leaf]>> {
     if !statement::expect_type(cx, id, ty, &ExpectationReason::Unexplained) {
         return None;
@@ -163,12 +164,12 @@ pub(crate) fn const_value_of(cx: &mut Body<'_, '_>, id: ExprId, ty: &Ty) -> Opti
     subrange::is_in_subranges(cx, &leaves, ty, cx.span_of(id)).then_some(leaves)
 }
 
-/// Returns the value of a constant integer expression.
+/// Returns the value of a constant integer expression; `None` after an error.
 pub(crate) fn const_integer<'a>(cx: &mut Body<'_, 'a>, value: &'a ast::Expr) -> Option<i64> {
     const_value(cx, value, &Ty::Int)?.first()?.as_int()
 }
 
-/// Returns a constant duration in nanoseconds; `None` if it is negative or above 1e18.
+/// Returns a constant duration in nanoseconds; `None` if it is negative or above 1e18 ns, or after an error.
 pub(crate) fn const_nanoseconds<'a>(cx: &mut Body<'_, 'a>, value: &'a ast::Expr) -> Option<u64> {
     let seconds = const_value(cx, value, &Ty::Real(Dimension::TIME))?
         .first()?
@@ -177,7 +178,8 @@ pub(crate) fn const_nanoseconds<'a>(cx: &mut Body<'_, 'a>, value: &'a ast::Expr)
     (0.0..1e18).contains(&ns).then_some(ns as u64)
 }
 
-/// Returns the value of a constant expression; reports the part that is not constant.
+/// Returns the value of a constant expression as the values of its leaves (scalar parts). Reports the part that is not
+/// constant and returns `None`.
 pub(crate) fn fold(cx: &mut Body<'_, '_>, id: ExprId) -> Option<Rc<[Leaf]>> {
     match try_fold(cx, id) {
         Ok(leaves) => Some(leaves),
@@ -204,12 +206,13 @@ pub(crate) fn fold(cx: &mut Body<'_, '_>, id: ExprId) -> Option<Rc<[Leaf]>> {
     }
 }
 
-/// Returns the value of an expression if it is constant, without reporting an error.
+/// Returns the value of an expression as the values of its leaves (scalar parts); `None`, without a diagnostic, if it
+/// is not constant.
 pub(crate) fn fold_silently(cx: &mut Body<'_, '_>, id: ExprId) -> Option<Rc<[Leaf]>> {
     try_fold(cx, id).ok()
 }
 
-/// Returns the value of an expression, or the reason why it is not constant.
+/// Returns the value of an expression as the values of its leaves (scalar parts), or the reason why it is not constant.
 pub(crate) fn try_fold(cx: &mut Body<'_, '_>, id: ExprId) -> Result<Rc<[Leaf]>, NotConstantError> {
     match &cx.unit.expr(id).kind {
         TypedKind::Literal(leaf) => return Ok([leaf.clone()].into()),
@@ -223,7 +226,8 @@ pub(crate) fn try_fold(cx: &mut Body<'_, '_>, id: ExprId) -> Result<Rc<[Leaf]>, 
     elab::evaluate_constant(&cx.checker.units, &cx.unit, id)
 }
 
-/// Returns the diagnostic for a constant without a value. Lustre allows such constants as external ones.
+/// Returns the diagnostic for a constant that is declared without a value. In Lustre, such external constants are
+/// allowed but not supported, so that another code is used unless `is_rpi`.
 fn constant_without_value(name: &ast::Ident, is_rpi: bool) -> Diagnostic {
     let code = match is_rpi {
         true => Code::RPI1009,

@@ -18,6 +18,7 @@ use crate::check::signatures::static_args::StaticBindings;
 use crate::check::signatures::static_params::StaticParamDecl;
 use crate::check::signatures::static_params::static_params;
 use crate::check::types::exact_time;
+use crate::check::types::type_args;
 use crate::check::types::type_decls;
 use crate::program::{DeclId, DeclKind, Lookup, NameSpace};
 use crate::ty::EnumTy;
@@ -35,10 +36,10 @@ use rpi_syntax::ast::{
 };
 use std::rc::Rc;
 
-/// Name of the struct field that says which alternative of a `datatype` a value has.
+/// Name of the struct field with the index of the alternative that a value of a `datatype` has.
 pub(crate) const TAG: &str = "tag";
 
-/// Returns the instance of a declared type for these arguments; reports a wrong number of arguments.
+/// Returns the declared type `id` for these type arguments. Reports a wrong number of arguments.
 pub(crate) fn type_instance_for<'a>(
     cx: &mut Body<'_, 'a>,
     id: DeclId,
@@ -60,7 +61,7 @@ pub(crate) fn type_instance_for<'a>(
         let diagnostic = Diagnostic::new(Code::RPI1010, message)
             .primary(span, "wrong number of type arguments")
             .secondary(decl.span, "declared here")
-            .help(type_args_help(&decl.name, names.len()));
+            .help(type_args::type_args_help(cx, &decl.name, names.len()));
         report::report_diagnostic(cx, diagnostic);
         return Ty::Unknown;
     }
@@ -90,14 +91,14 @@ fn type_params(cx: &Body<'_, '_>, id: DeclId) -> Vec<Name> {
         .collect()
 }
 
-/// Returns a declared type with its parameters still unknown.
+/// Returns a declared type in which its type parameters are still unknown.
 fn open_type(cx: &mut Body<'_, '_>, id: DeclId) -> Ty {
     let names = type_params(cx, id).into_iter();
     let statics = names.map(|name| (name.clone(), StaticBinding::Type(Ty::Generic(name))));
     type_decls::type_instance(cx.checker, id, Rc::new(statics.collect()))
 }
 
-/// Returns a declared type with the inferred parameters; `None` if some are not inferred.
+/// Returns a declared type with the type arguments in `subst`; `None` if some are not inferred.
 fn inferred_type(cx: &mut Body<'_, '_>, id: DeclId, subst: &Substitution) -> Option<Ty> {
     let mut statics = StaticBindings::new();
     for name in type_params(cx, id) {
@@ -107,7 +108,7 @@ fn inferred_type(cx: &mut Body<'_, '_>, id: DeclId, subst: &Substitution) -> Opt
     Some(type_decls::type_instance(cx.checker, id, Rc::new(statics)))
 }
 
-/// Returns the declaration of a generic struct if a literal does not give its type arguments.
+/// Returns the generic struct of a literal without type arguments; `None` for other literals.
 pub(crate) fn generic_struct(cx: &mut Body<'_, '_>, value: &StructExpr) -> Option<DeclId> {
     if !value.statics.is_empty() {
         return None;
@@ -122,7 +123,7 @@ pub(crate) fn generic_struct(cx: &mut Body<'_, '_>, value: &StructExpr) -> Optio
     (!type_params(cx, id).is_empty()).then_some(id)
 }
 
-/// Checks a literal of a generic struct and infers its type arguments from the fields.
+/// Checks a literal of a generic struct, infers its type arguments from the fields, and returns it.
 pub(crate) fn inferred_struct<'a>(
     cx: &mut Body<'_, 'a>,
     id: DeclId,
@@ -138,7 +139,7 @@ pub(crate) fn inferred_struct<'a>(
         .iter()
         .map(|field| (field, expr::check_expr(cx, &field.value)))
         .collect();
-    for (field, given) in &values {
+    for (at, (field, given)) in values.iter().enumerate() {
         let wanted = open
             .fields
             .iter()
@@ -151,13 +152,8 @@ pub(crate) fn inferred_struct<'a>(
             && let Err(misfit) = check_assignable(&wanted.ty, &found, &mut subst)
         {
             let expected = wanted.ty.substituted(&subst);
-            report::type_mismatch(
-                cx,
-                *given,
-                &expected,
-                &misfit,
-                &ExpectationReason::Unexplained,
-            );
+            let reason = type_args::same_type_reason(cx, &open, &values[..at], &wanted.ty);
+            report::type_mismatch(cx, *given, &expected, &misfit, &reason);
             return cx.error_expr(span);
         }
     }
@@ -174,12 +170,12 @@ pub(crate) fn inferred_struct<'a>(
     }
 }
 
-/// Reports type arguments that cannot be inferred.
+/// Reports that the type arguments of `name` cannot be inferred. Returns an expression without a value.
 fn report_uninferred_params(cx: &mut Body<'_, '_>, name: &Ident, span: Span) -> ExprId {
     let message = format!("cannot infer the type arguments of `{}`", name.name);
     let diagnostic = Diagnostic::new(Code::RPI2007, message)
-        .primary(name.span, "no part of this value has these types")
-        .help(format!("give them explicitly: `{}@<int>`", name.name));
+        .primary(name.span, "no given field has the type of a type parameter")
+        .help(type_args::struct_args_help(cx, &name.name, span));
     cx.report_error_expr(diagnostic, span)
 }
 
@@ -227,7 +223,7 @@ pub(crate) fn resolve_datatype<'a>(
     }))
 }
 
-/// Returns the alternatives of a `datatype`; empty for any other declaration.
+/// Returns the alternatives of a type declared as a `datatype`; empty for any other declaration.
 fn constructors<'a>(cx: &Body<'_, 'a>, id: DeclId) -> &'a [Constructor] {
     match cx.checker.program.decl(id).kind {
         DeclKind::Type(def) => match def.ty.as_ref().map(|ty| &ty.kind) {
@@ -238,12 +234,12 @@ fn constructors<'a>(cx: &Body<'_, 'a>, id: DeclId) -> &'a [Constructor] {
     }
 }
 
-/// Whether a type is declared as a `datatype`.
+/// Returns whether a type is declared as a `datatype`.
 pub(crate) fn is_datatype(cx: &Body<'_, '_>, id: DeclId) -> bool {
     !constructors(cx, id).is_empty()
 }
 
-/// Returns the index of the first field of an alternative in the struct, and the number of its fields.
+/// Returns the index of the alternative's first field in the datatype's struct, and the number of its fields.
 pub(crate) fn constructor_field_range(cx: &Body<'_, '_>, ty: DeclId, index: u32) -> (usize, usize) {
     let count = |c: &Constructor| {
         c.fields
@@ -257,7 +253,7 @@ pub(crate) fn constructor_field_range(cx: &Body<'_, '_>, ty: DeclId, index: u32)
     (1 + before, all.get(index).map_or(0, count))
 }
 
-/// Checks the construction of a value of a datatype: `A(x, y)` or `A@<int>`.
+/// Checks `A(x, y)` or `A@<int>`, a value of a `datatype`, and returns its typed expression.
 pub(crate) fn constructor_value<'a>(
     cx: &mut Body<'_, 'a>,
     (id, index): (DeclId, u32),
@@ -268,7 +264,10 @@ pub(crate) fn constructor_value<'a>(
     let (from, count) = constructor_field_range(cx, id, index);
     let name = &constructors(cx, id)[index as usize].name;
     if count != values.len() {
-        return report_part_count(cx, name, count, values.len(), span);
+        let parts = constructors(cx, id)[index as usize].fields.iter();
+        let parts = parts.flat_map(|field| &field.names);
+        let parts: Vec<&str> = parts.map(|part| part.name.as_str()).collect();
+        return report_part_count(cx, name, &parts, values.len(), span);
     }
     let output = (!types.is_empty()).then(|| type_instance_for(cx, id, types, span));
     let open = output.clone().unwrap_or_else(|| open_type(cx, id));
@@ -313,22 +312,15 @@ pub(crate) fn constructor_value<'a>(
     cx.add(TypedKind::Build(parts.into()), Ty::Struct(ty), span)
 }
 
-/// Returns how a type with `count` type arguments is written.
-fn type_args_help(name: &str, count: usize) -> String {
-    match count {
-        0 => format!("write only its name: `{name}`"),
-        _ => format!("write it as `{name}<<{}>>`", vec!["T"; count].join("; ")),
-    }
-}
-
-/// Reports a wrong number of parts of an alternative.
+/// Reports an alternative that takes `count` parts but is used with `given` parts.
 pub(crate) fn report_part_count(
     cx: &mut Body<'_, '_>,
     name: &Ident,
-    count: usize,
+    parts: &[&str],
     given: usize,
     span: Span,
 ) -> ExprId {
+    let count = parts.len();
     let message = format!(
         "`{}` takes {}, found {given}",
         name.name,
@@ -340,15 +332,16 @@ pub(crate) fn report_part_count(
         .help(match count {
             0 => format!("write only its name: `{}`", name.name),
             _ => format!(
-                "give one value for each part: `{}({})`",
+                "write {}: `{}({})`",
+                ["one value for each part", "one value"][usize::from(count == 1)],
                 name.name,
-                vec!["..."; count].join(", ")
+                parts.join(", ")
             ),
         });
     cx.report_error_expr(diagnostic, span)
 }
 
-/// Returns the alternatives of a value's type and the expression of its tag; reports a value of another type.
+/// Returns the alternatives of a value's type and an expression with the index of its alternative. Reports other types.
 pub(crate) fn alternatives(cx: &mut Body<'_, '_>, value: ExprId) -> Option<(Rc<EnumTy>, ExprId)> {
     let span = cx.span_of(value);
     let tag = match cx.ty_of(value).clone() {
@@ -366,16 +359,20 @@ pub(crate) fn alternatives(cx: &mut Body<'_, '_>, value: ExprId) -> Option<(Rc<E
     }
     let ty = cx.ty_of(value).clone();
     if !ty.is_unknown() {
-        let diagnostic =
-            Diagnostic::new(Code::RPI2001, format!("expected a datatype, found `{ty}`"))
-                .primary(span, format!("this is `{ty}`"))
-                .help("compare numbers and Booleans by `if`: `if x = 1 then ... else ...`");
+        let name = report::operand_name(cx, value);
+        let message = format!("expected a datatype, found `{ty}`");
+        let diagnostic = Diagnostic::new(Code::RPI2001, message)
+            .primary(span, format!("this is `{ty}`"))
+            .help(format!(
+                "give `{name}` the datatype to which the cases belong, or choose by `if {name} = {} then ... else ...`",
+                ty.zero_or_dots()
+            ));
         report::report_diagnostic(cx, diagnostic);
     }
     None
 }
 
-/// Adds an expression that tests whether a tag has one alternative of a `datatype`.
+/// Adds a test whether `tag`, the index of an alternative of a datatype, is `index`, and returns it.
 pub(crate) fn tag_test(
     cx: &mut Body<'_, '_>,
     all: &Rc<EnumTy>,
@@ -391,7 +388,7 @@ pub(crate) fn tag_test(
     ops::binary_prim(cx, rpi_syntax::ops::BinaryOp::Eq, tag, index, span)
 }
 
-/// Reports a name in a `match` or a test that is not an alternative of the datatype, with the most similar one.
+/// Reports a name in a `match` or a test that is not an alternative of the datatype `all`.
 pub(crate) fn report_unknown_alternative(cx: &mut Body<'_, '_>, all: &EnumTy, name: &Ident) {
     let near = rpi_diag::suggest(&name.name, all.values.iter().map(Name::as_str));
     let diagnostic = undefined_name("alternative", &name.name, name.span, near);
@@ -402,7 +399,7 @@ pub(crate) fn report_unknown_alternative(cx: &mut Body<'_, '_>, all: &EnumTy, na
     );
 }
 
-/// Checks the test for an alternative, `A?(x)`.
+/// Checks the test `A?(x)`, whether a value has the alternative `A`, and returns its typed expression.
 pub(crate) fn constructor_test<'a>(
     cx: &mut Body<'_, 'a>,
     of: &'a ConstructorTest,
@@ -425,7 +422,7 @@ pub(crate) fn constructor_test<'a>(
     }
 }
 
-/// Returns the zero value of a type.
+/// Returns the leaves (scalar parts) of the value 0 or false of a type.
 fn zero_value(ty: &Ty) -> Rc<[Leaf]> {
     let mut leaves = Vec::with_capacity(ty.leaf_count());
     ty.for_each_leaf(&mut |_, ty| {
@@ -438,8 +435,7 @@ fn zero_value(ty: &Ty) -> Rc<[Leaf]> {
     leaves.into()
 }
 
-/// Returns the value that the fields of other alternatives have in a value of a `datatype`: zeros, or the value nearest
-/// to zero in a subrange.
+/// Returns the value of fields that belong to other alternatives: zeros, or the nearest value in a subrange.
 fn filler_value(ty: &Ty) -> Rc<[Leaf]> {
     let mut leaves = zero_value(ty).to_vec();
     for (at, range) in ty.subranges(true) {

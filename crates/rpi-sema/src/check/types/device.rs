@@ -16,7 +16,8 @@ use rpi_diag::Span;
 use rpi_syntax::ast::{DeviceDecl, DeviceSection, NamedType, PortKind, Type, TypeKind, VarDecl};
 use std::rc::Rc;
 
-/// Resolves a device type with its arguments. The cell description gives the parameters that are left open.
+/// Returns a device type with its static arguments. Parameters without an argument are given later by the cell
+/// description.
 pub(crate) fn resolve_device_type<'a>(
     cx: &mut Body<'_, 'a>,
     id: DeclId,
@@ -29,14 +30,14 @@ pub(crate) fn resolve_device_type<'a>(
     device_type_instance(cx.checker, id, decl, &Rc::new(statics))
 }
 
-/// Checks a device declaration on its own.
+/// Checks the declaration of a device type on its own.
 pub(crate) fn check_device<'a>(checker: &mut Checker<'a>, id: DeclId, decl: &'a DeviceDecl) {
     let mut statics = StaticBindings::new();
     static_params::add_default_statics(checker, id, &mut statics);
     device_type_instance(checker, id, decl, &Rc::new(statics));
 }
 
-/// Returns the instance of a device type for these static arguments.
+/// Returns the type that a device declaration defines for these static arguments.
 fn device_type_instance<'a>(
     checker: &mut Checker<'a>,
     id: DeclId,
@@ -62,7 +63,8 @@ fn device_type_instance<'a>(
     ty
 }
 
-/// Returns the values of the static parameters that are sizes.
+/// Returns the values of the static parameters of a device type in their order; `None` for a parameter without an
+/// integer value.
 fn sizes(decl: &DeviceDecl, statics: &StaticBindings) -> Vec<Option<u32>> {
     let params = static_params::static_params(&decl.statics).into_iter();
     let sizes = params.map(|param| match statics.get(&param.name().name)? {
@@ -85,7 +87,8 @@ fn device_ports<'a>(cx: &mut Body<'_, 'a>, decl: &'a DeviceDecl) -> Vec<DevicePo
     ports
 }
 
-/// Adds the ports of a section; `actuator` is the number of the next actuator.
+/// Appends the ports of a section of a device declaration to `ports`. `actuator` is the number of the next actuator and
+/// is increased.
 fn section_ports<'a>(
     cx: &mut Body<'_, 'a>,
     section: &'a DeviceSection,
@@ -110,7 +113,8 @@ fn section_ports<'a>(
     }
 }
 
-/// Adds the ports of one alternative of an actuator, or of a sensor declaration.
+/// Appends the ports that `decl` declares to `ports`: one alternative for the set-points of actuator number `actuator`,
+/// or a sensor.
 fn alternative_ports<'a>(
     cx: &mut Body<'_, 'a>,
     decl: &'a VarDecl,
@@ -139,7 +143,8 @@ fn alternative_ports<'a>(
     }
 }
 
-/// Whether no array size in a type depends on a parameter that only the cell description gives.
+/// Whether the compiler knows all array sizes in a type. Some sizes depend on parameters that only the cell description
+/// gives.
 fn has_known_size(cx: &Body<'_, '_>, ty: &Type) -> bool {
     match &ty.kind {
         TypeKind::Optional(inner) => has_known_size(cx, inner),

@@ -27,10 +27,12 @@ use rpi_syntax::ops::BinaryOp;
 
 use BinaryOp::{Add, Div, Ge, Gt, IntDiv, Le, Lt, Mod, Mul, Pow, Sub};
 
-/// Maximum number of alternatives of an expression in seconds that may become a time.
+/// Maximum number of alternatives, such as branches of `if`, of an expression in seconds that may be converted to
+/// ticks.
 const MAX_ALTERNATIVES: usize = 1000;
 
-/// Operator on exact times: its primitive on ticks, whether the operands are swapped, and the type of its result.
+/// Operator on exact times (whole ticks): its primitive, whether the primitive takes the right operand first, and the
+/// type of its result.
 struct TimeOp {
     op: BinaryOp,
     prim: PrimId,
@@ -47,7 +49,7 @@ const fn time_op(op: BinaryOp, prim: PrimId, swapped: bool, gives: Ty) -> TimeOp
     }
 }
 
-/// Operators on two times, and on a time and an integer.
+/// Operators on two exact times, and on an exact time and an integer.
 #[rustfmt::skip]
 const TIME_OPS: &[TimeOp] = &[
     time_op(Add,    prim!("Core::IntAdd"),           false, Ty::Duration),
@@ -61,8 +63,8 @@ const TIME_OPS: &[TimeOp] = &[
     time_op(Ge,     prim!("Rpi::IntGreaterOrEqual"), false, Ty::Bool),
 ];
 
-/// Whether an expression is wrapped in a part expression when it is added, because it may later become a conversion
-/// between ticks and seconds.
+/// Whether a new expression is wrapped in a part expression. The wrapper can later become a conversion between ticks
+/// and seconds.
 pub(crate) fn may_be_converted(unit: &Unit, kind: &TypedKind, ty: &Ty) -> bool {
     match ty {
         Ty::Duration => !matches!(kind, TypedKind::Error),
@@ -71,7 +73,7 @@ pub(crate) fn may_be_converted(unit: &Unit, kind: &TypedKind, ty: &Ty) -> bool {
     }
 }
 
-/// Whether a value is the same in all cycles, as far as its direct operands show.
+/// Whether a value is the same in all cycles. Only the expression and its direct operands are examined.
 pub(crate) fn is_load_time_constant(unit: &Unit, kind: &TypedKind) -> bool {
     match kind {
         TypedKind::Flow(flow) => unit.flow(*flow).role == FlowRole::Param,
@@ -93,7 +95,8 @@ fn is_fixed_operand(unit: &Unit, id: ExprId) -> bool {
     }
 }
 
-/// Returns the expression of type `ty` that a part expression covers completely.
+/// Returns `base` if the expression `id` is a part `base.x` of an expression of type `ty`, so that the part stands for
+/// the whole value; `None` for other expressions.
 fn covered_expr(unit: &Unit, id: ExprId, ty: &Ty) -> Option<ExprId> {
     match unit.expr(id).kind {
         TypedKind::Part { base, .. } if unit.expr(base).ty == *ty => Some(base),
@@ -105,7 +108,7 @@ fn covers_whole(unit: &Unit, id: ExprId, ty: &Ty) -> bool {
     covered_expr(unit, id, ty).is_some()
 }
 
-/// Converts the expression of a time to one in seconds.
+/// Converts the expression `id` to seconds if it is an exact time. The expression is changed in place.
 pub(crate) fn convert_to_seconds(cx: &mut Body<'_, '_>, id: ExprId) {
     if *cx.ty_of(id) != Ty::Duration {
         return;
@@ -133,8 +136,8 @@ pub(crate) fn convert_to_seconds(cx: &mut Body<'_, '_>, id: ExprId) {
     }
 }
 
-/// Converts seconds that are fixed at load time, or chosen among such values, to whole ticks, rounded up; returns
-/// whether that was possible.
+/// Converts the expression `id` from seconds to whole ticks, rounded up, and returns whether this was possible. It is
+/// possible if the seconds are fixed when the command is loaded, or chosen among such values.
 pub(crate) fn convert_to_ticks(cx: &mut Body<'_, '_>, id: ExprId) -> bool {
     let Some(parts) = fixed_alternatives(cx, id) else {
         return false;
@@ -150,8 +153,8 @@ pub(crate) fn convert_to_ticks(cx: &mut Body<'_, '_>, id: ExprId) -> bool {
     true
 }
 
-/// Returns an expression in seconds with all its alternatives, as of `if` or `merge`, if all of them are fixed at
-/// load time as far as their direct operands show.
+/// Returns an expression in seconds with all its alternatives, such as the branches of `if` or the cases of `merge`.
+/// `None` unless all of them are fixed when the command is loaded, as far as their direct operands show.
 pub(crate) fn fixed_alternatives(cx: &Body<'_, '_>, id: ExprId) -> Option<Vec<ExprId>> {
     let mut parts = Vec::new();
     let mut open = vec![id];
@@ -180,7 +183,8 @@ pub(crate) fn fixed_alternatives(cx: &Body<'_, '_>, id: ExprId) -> Option<Vec<Ex
     Some(parts)
 }
 
-/// Converts a time and a real to a common type: a fixed duration to ticks, otherwise the time to seconds.
+/// Converts an exact time and a real to a common type: a duration that is fixed when the command is loaded becomes
+/// ticks; otherwise the time becomes seconds.
 pub(crate) fn unify_times(cx: &mut Body<'_, '_>, a: ExprId, b: ExprId) {
     for (time, other) in [(a, b), (b, a)] {
         let is_real = matches!(cx.ty_of(other), Ty::Real(_));
@@ -190,7 +194,7 @@ pub(crate) fn unify_times(cx: &mut Body<'_, '_>, a: ExprId, b: ExprId) {
     }
 }
 
-/// Converts an expression between seconds and ticks as its expected type requires.
+/// Converts the expression `id` between seconds and ticks as the expected type `wanted` requires.
 pub(crate) fn convert_time_for(cx: &mut Body<'_, '_>, id: ExprId, wanted: &Ty) {
     match wanted {
         Ty::Real(_) => convert_to_seconds(cx, id),
@@ -199,8 +203,8 @@ pub(crate) fn convert_time_for(cx: &mut Body<'_, '_>, id: ExprId, wanted: &Ty) {
     }
 }
 
-/// Converts an argument for a port of the type `time`: seconds become whole ticks, rounded up, even if they change
-/// at run time.
+/// Returns an argument for a port of the type `time`. Seconds are converted to whole ticks, rounded up, even if they
+/// change at run time.
 fn ticks_for_port(cx: &mut Body<'_, '_>, id: ExprId) -> ExprId {
     if *cx.ty_of(id) != SECONDS || convert_to_ticks(cx, id) {
         return id;
@@ -208,14 +212,14 @@ fn ticks_for_port(cx: &mut Body<'_, '_>, id: ExprId) -> ExprId {
     ticks_from_seconds(cx, id, cx.span_of(id))
 }
 
-/// Adds the conversion `time(x)` from seconds to whole ticks, rounded up.
+/// Adds the conversion `time(x)` from seconds to whole ticks, rounded up, and returns it.
 pub(crate) fn ticks_from_seconds(cx: &mut Body<'_, '_>, x: ExprId, span: Span) -> ExprId {
     prim::add_prim(cx, prim!("Rpi::TicksFromSeconds"), &[x], Ty::Duration, span)
 }
 
-/// Converts the operands of an operator, one of which is a time. Returns whether the operator works on times, or on
-/// a time and an integer; otherwise the operands become seconds, unless one is a Boolean, an integer or an enum
-/// value.
+/// Converts the operands of an operator, of which one is an exact time. Returns whether the operator works on two
+/// times, or on a time and an integer; otherwise the operands become seconds, unless one is a Boolean, an integer or an
+/// enum value.
 fn unify_time_operands(cx: &mut Body<'_, '_>, op: BinaryOp, left: ExprId, right: ExprId) -> bool {
     if matches!(op, Add | Sub | Mod | IntDiv | Lt | Le | Gt | Ge) {
         unify_times(cx, left, right);
@@ -234,7 +238,8 @@ fn unify_time_operands(cx: &mut Body<'_, '_>, op: BinaryOp, left: ExprId, right:
     false
 }
 
-/// Converts the fixed duration in `n * 10[ms]` to ticks, so that the product is an exact multiple of it.
+/// Converts the fixed duration in a product such as `n * 10[ms]` to ticks, so that the product is an exact multiple of
+/// the duration.
 fn convert_multiplied_duration(cx: &mut Body<'_, '_>, op: BinaryOp, left: ExprId, right: ExprId) {
     let is_constant = cx.unit.kind == UnitKind::Constant;
     for (count, duration) in [(left, right), (right, left)] {
@@ -245,8 +250,8 @@ fn convert_multiplied_duration(cx: &mut Body<'_, '_>, op: BinaryOp, left: ExprId
     }
 }
 
-/// Checks an operator with a time as an operand; returns `None` if it works on seconds, to which the operands are
-/// converted.
+/// Checks an operator of which at least one operand is an exact time, and returns its typed expression. Returns `None`
+/// if the operator has no such operand or works on seconds, to which the operands are then converted.
 pub(crate) fn time_operator(
     cx: &mut Body<'_, '_>,
     op: BinaryOp,
@@ -271,8 +276,8 @@ pub(crate) fn time_operator(
     Some(prim::add_prim(cx, row.prim, &operands, gives, span))
 }
 
-/// Decides whether the common type of the arguments of a type parameter is a time. It is if all of them are times
-/// or may be, and the constraint of the type parameter admits times; otherwise they become seconds.
+/// Decides for each type parameter of a callee whether it stands for exact times. It does if all arguments for it are
+/// exact times or can be converted, and its constraint allows times; otherwise the arguments become seconds.
 pub(crate) fn unify_generic_times(cx: &mut Body<'_, '_>, header: &Header, args: &[Option<ExprId>]) {
     let given = header.inputs.iter().zip(args);
     let generic = given.filter_map(|(port, arg)| match (&port.ty, arg) {
@@ -300,7 +305,7 @@ pub(crate) fn unify_generic_times(cx: &mut Body<'_, '_>, header: &Header, args: 
     }
 }
 
-/// Converts the arguments of a call to the known types of the ports.
+/// Converts the arguments of a call between ticks and seconds as the types of the ports require.
 pub(crate) fn convert_time_args(
     cx: &mut Body<'_, '_>,
     header: &Header,
@@ -326,8 +331,8 @@ fn prim_call(prim: PrimId, input: Option<ExprId>) -> TypedKind {
     }))
 }
 
-/// Whether a type parameter may be a time: its constraint admits times, and the body is RPI text, which has this
-/// type.
+/// Whether a type parameter of declaration `id` may stand for exact times: its constraint allows them, and the body is
+/// in RPI syntax, because Lustre has no exact times.
 fn may_be_time(checker: &Checker<'_>, id: DeclId, name: &Name) -> bool {
     let is_body = matches!(
         checker.program.decl(id).kind,

@@ -11,7 +11,7 @@ use rpi_diag::{Code, Diagnostic};
 use rpi_syntax::ast::FrameDecl;
 use std::collections::BTreeMap;
 
-/// Reports errors in the placement of all frames of a program.
+/// Reports frames that are placed in one another in a cycle, and frames of one name with different placements.
 pub(crate) fn check_frame_placement(checker: &mut Checker<'_>) {
     let ids = (0..).map(DeclId).take(checker.program.decls.len());
     let frames: Vec<DeclId> = ids
@@ -28,7 +28,8 @@ fn frame_decl<'a>(checker: &Checker<'a>, id: DeclId) -> Option<&'a FrameDecl> {
     }
 }
 
-/// Returns the declared frame in which a frame is placed.
+/// Returns the declared frame in which a frame is placed; `None` if it is placed in no frame or in the frame of a
+/// device.
 fn enclosing_frame(checker: &Checker<'_>, id: DeclId) -> Option<DeclId> {
     let parent = frame_decl(checker, id)?.parent.as_ref()?;
     let [name] = &parent.parts[..] else {
@@ -108,7 +109,7 @@ fn report_conflicting_placements(checker: &mut Checker<'_>, frames: &[DeclId]) {
     }
 }
 
-/// Returns the placements of two frames of one name if they differ.
+/// Returns descriptions of the placements of two frames of the same name; `None` if the placements are equal.
 fn differing_placements(checker: &mut Checker<'_>, frames: [DeclId; 2]) -> Option<[String; 2]> {
     let parents = frames.map(|id| {
         let parent = frame_decl(checker, id).and_then(|frame| frame.parent.as_ref());

@@ -18,26 +18,29 @@ use crate::typed::{ElementwiseOp, Expr, PrimCall, TypedKind};
 use crate::typed::{ExprId, FlowId, FlowRole, Unit};
 use std::collections::BTreeMap;
 
-/// Maximum number of rounds of type inference. After the first round, types can only change from time to seconds.
+/// Maximum number of rounds of type inference for times. After the first round, types can only change from exact times
+/// to seconds.
 const MAX_ROUNDS: u32 = 4;
 
-/// Which of times and seconds reach a flow through its definition, and the flows that it reads and that read it.
+/// Sources of the value of a flow whose type may be an exact time or seconds, and its dependencies on other such flows.
 #[derive(Default)]
 struct TimeSources {
-    /// Whether the value of a time reaches the flow.
+    /// Whether an exact time contributes to the value of the flow, directly or through other flows.
     time: bool,
-    /// Whether seconds that change at run time reach the flow.
+    /// Whether seconds that change at run time, and so cannot be converted to ticks at compile time, contribute to the
+    /// value of the flow.
     seconds: bool,
-    /// Flows with an inferred type that read the flow.
+    /// Flows with an inferred type whose definitions read the flow.
     readers: Vec<FlowId>,
-    /// Flows with an inferred type that the flow reads.
+    /// Flows with an inferred type that the definition of the flow reads.
     reads: Vec<FlowId>,
-    /// Whether the flow, or a flow of a state that contributes to it, was inferred as a time (first entry), and as
-    /// seconds (second entry).
+    /// Whether the flow, or its version in a state of an automaton, was inferred as an exact time (first entry), and
+    /// whether as seconds (second entry).
     inferred_as: [bool; 2],
 }
 
-/// Infers the types of all flows without a declared type.
+/// Infers the types of all flows without a declared type, and decides for each time whether it is exact (whole ticks)
+/// or in seconds.
 pub(crate) fn infer_with_times(cx: &mut Body<'_, '_>) {
     let is_open = |k: &usize| {
         cx.pending[*k].state == EquationState::Unchecked && cx.pending[*k].infers_type()
@@ -56,7 +59,8 @@ pub(crate) fn infer_with_times(cx: &mut Body<'_, '_>) {
     type_inference::infer_types(cx);
 }
 
-/// Adds the correct type of each flow that the last round inferred wrongly to `settled`; returns whether there are any.
+/// Adds the correct type of each flow that the last round of inference got wrong to `settled`. Returns whether there is
+/// any such flow. `open` are the indices of the equations that infer types.
 fn fix_wrong_types(cx: &Body<'_, '_>, open: &[usize], settled: &mut FastMap<FlowId, Ty>) -> bool {
     let mut all = time_sources(cx, open, settled);
     propagate_seconds(&mut all);
@@ -72,7 +76,7 @@ fn fix_wrong_types(cx: &Body<'_, '_>, open: &[usize], settled: &mut FastMap<Flow
     changed
 }
 
-/// Returns, for each flow that may be a time or seconds, which of both reach it.
+/// Returns, for each flow whose type is an exact time or seconds, which of the two contribute to its value.
 fn time_sources(
     cx: &Body<'_, '_>,
     open: &[usize],
@@ -106,14 +110,16 @@ fn time_sources(
     all
 }
 
-/// Returns the outermost shared flow that a flow contributes to, or the flow itself.
+/// Returns the outermost flow that a flow local to a state of an automaton defines; the flow itself if it is not local
+/// to a state.
 fn outermost_shared_flow(cx: &Body<'_, '_>, flow: FlowId) -> FlowId {
     automaton::enclosing_shared_flows(cx, flow)
         .last()
         .unwrap_or(flow)
 }
 
-/// Adds the times and seconds that reach a flow through the expression `value` that defines it.
+/// Adds to the entry of `flow` in `all` the exact times, seconds and other flows that `value`, the expression that
+/// defines the flow, depends on.
 fn add_sources(
     cx: &Body<'_, '_>,
     flow: FlowId,
@@ -142,7 +148,7 @@ fn add_sources(
     }
 }
 
-/// Resets the inferred types, except the settled ones, before another round of inference.
+/// Resets the inferred types before another round of inference. Flows in `settled` get the type given there.
 fn reset_inferred_types(cx: &mut Body<'_, '_>, open: &[usize], settled: &FastMap<FlowId, Ty>) {
     for index in open {
         cx.pending[*index].state = EquationState::Unchecked;
@@ -162,8 +168,8 @@ fn reset_inferred_types(cx: &mut Body<'_, '_>, open: &[usize], settled: &FastMap
     }
 }
 
-/// Marks each flow that reads a flow in seconds, directly or indirectly, as reached by seconds. A sum of a time and
-/// seconds is in seconds.
+/// Marks each flow that depends on a flow in seconds, directly or indirectly, as having seconds as a source, because a
+/// sum of a time and seconds is in seconds.
 fn propagate_seconds(all: &mut BTreeMap<FlowId, TimeSources>) {
     let mut open = flows_with(all, |sources| sources.seconds);
     while let Some(flow) = open.pop() {
@@ -177,8 +183,8 @@ fn propagate_seconds(all: &mut BTreeMap<FlowId, TimeSources>) {
     }
 }
 
-/// Marks each flow that reads a time, directly or indirectly, as reached by a time; also the flows with fixed durations
-/// that such a flow reads.
+/// Marks each flow that depends on an exact time, directly or indirectly, as having a time as a source. Flows with
+/// fixed durations that such a flow reads are marked as well.
 fn propagate_times(all: &mut BTreeMap<FlowId, TimeSources>) {
     let mut open = flows_with(all, |sources| sources.time && !sources.seconds);
     while let Some(flow) = open.pop() {
@@ -208,7 +214,8 @@ fn neighbours(
     all.get(&flow).map(which).cloned().unwrap_or_default()
 }
 
-/// Adds the operands whose type is that of the expression to `open`; returns `false` if there are none.
+/// Adds to `open` the operands of an expression that have its type, such as the branches of `if`. Returns `false` if
+/// the expression has another form.
 fn push_same_type_operands(unit: &Unit, expr: &Expr, open: &mut Vec<ExprId>) -> bool {
     match &expr.kind {
         TypedKind::Part { base, .. } if is_time_or_seconds(&unit.expr(*base).ty) => {
@@ -227,7 +234,7 @@ fn push_same_type_operands(unit: &Unit, expr: &Expr, open: &mut Vec<ExprId>) -> 
     true
 }
 
-/// Primitives whose result and operands are all times or all seconds.
+/// Names of primitives whose operands and result are either all exact times or all in seconds.
 const UNIT_PRESERVING: &[&str] = &[
     "Core::IntAdd",
     "Rpi::IntSubtract",
@@ -242,13 +249,14 @@ const UNIT_PRESERVING: &[&str] = &[
     "Rpi::SecondsFromTicks",
 ];
 
-/// Whether an expression in seconds is a conversion of a time that the core provides in ticks.
+/// Whether an expression in seconds is a time that the core provides in ticks, converted to seconds.
 fn is_converted_time(kind: &TypedKind) -> bool {
     let name = |call: &PrimCall| call.prim.desc().name;
     matches!(kind, TypedKind::Prim(call) if matches!(name(call), "Core::CycleTime" | "Rpi::Time"))
 }
 
-/// Whether an expression in seconds can also be computed in ticks: it is fixed, or its type is unknown.
+/// Whether an expression in seconds can also be computed in ticks, because it is fixed when the command is loaded, or
+/// its type is unknown.
 fn may_be_ticks(unit: &Unit, expr: &Expr) -> bool {
     match &expr.kind {
         TypedKind::Literal(_) | TypedKind::Const(_) | TypedKind::Error | TypedKind::None => true,
@@ -260,7 +268,7 @@ fn may_be_ticks(unit: &Unit, expr: &Expr) -> bool {
     }
 }
 
-/// Whether a type is a time or a real in seconds.
+/// Whether a type is an exact time or a real in seconds.
 fn is_time_or_seconds(ty: &Ty) -> bool {
     *ty == Ty::Duration || *ty == SECONDS
 }

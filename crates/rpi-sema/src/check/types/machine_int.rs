@@ -12,13 +12,14 @@ use crate::check::types::consts;
 use crate::ty::{MachineInt, Ty};
 use crate::typed::TypedKind;
 use crate::typed::{ExprId, Leaf};
-use rpi_diag::{Code, Diagnostic, Fix, Span};
+use rpi_diag::{Code, Diagnostic, Fix, Quote, Span};
 use rpi_net::prim;
 use rpi_prims::PrimId;
 use rpi_syntax::ast::{Binary, BitRange, Call, Expr, ExprKind, StaticArg, StaticValue};
 use rpi_syntax::ops::{BinaryOp, UnaryOp};
 
-/// Checks a conversion to a machine integer, such as `(int8 x)` or `(sint@<25> x)`.
+/// Checks a conversion to a machine integer of Kind 2, such as `(int8 x)` or `(sint@<25> x)`, and returns its typed
+/// expression.
 pub(crate) fn machine_conversion<'a>(
     cx: &mut Body<'_, 'a>,
     name: &str,
@@ -46,7 +47,8 @@ pub(crate) fn machine_conversion<'a>(
     }
 }
 
-/// Returns the machine integer type of a name and width; `None` after an error, or if it has more than 64 bits.
+/// Returns the machine integer type with this name, and with the number of bits in `statics` if there is one. `None`
+/// after an error or for more than 64 bits.
 pub(crate) fn machine_int_type<'a>(
     cx: &mut Body<'_, 'a>,
     name: &str,
@@ -84,7 +86,8 @@ pub(crate) fn machine_int_type<'a>(
     found
 }
 
-/// Converts a checked integer or machine integer to the machine integer type `to`; reports any other operand type.
+/// Adds the conversion of an integer or machine integer that has been checked to the machine integer type `to`, and
+/// returns it. Reports an operand of another type.
 pub(crate) fn convert_to_machine(
     cx: &mut Body<'_, '_>,
     value: ExprId,
@@ -101,7 +104,10 @@ pub(crate) fn convert_to_machine(
                     .help(match found {
                         Ty::Real(_) => {
                             let to = to.conversion_name();
-                            format!("convert it to an integer first: `({to} (int x))`")
+                            format!(
+                                "convert it to an integer first: `({to} (int {}))`",
+                                Quote::operand(cx.span_of(value))
+                            )
                         }
                         _ => "only integers and machine integers can be converted".to_owned(),
                     });
@@ -129,8 +135,8 @@ fn int_literal(cx: &mut Body<'_, '_>, bits: i64, span: Span) -> ExprId {
     cx.add(TypedKind::Literal(Leaf::int(bits)), Ty::Int, span)
 }
 
-/// Checks a unary operator on a machine integer; returns `None` if the operator is not defined for machine
-/// integers.
+/// Checks a unary operator on a machine integer of the type `of` and returns its typed expression. Returns `None` if
+/// the operator is not defined for machine integers.
 pub(crate) fn machine_unary(
     cx: &mut Body<'_, '_>,
     op: UnaryOp,
@@ -161,7 +167,8 @@ pub(crate) fn machine_unary(
     })
 }
 
-/// Returns whether an operator accepts a right operand of this type beside a machine integer. A shift count is unsigned.
+/// Whether a binary operator accepts a right operand of the type `right` beside a machine integer of the type `left`. A
+/// shift count must be unsigned.
 fn accepts_operand(op: BinaryOp, left: MachineInt, right: &Ty) -> bool {
     match (op, right) {
         (BinaryOp::ShiftLeft | BinaryOp::ShiftRight, Ty::Machine(count)) => !count.signed,
@@ -170,7 +177,8 @@ fn accepts_operand(op: BinaryOp, left: MachineInt, right: &Ty) -> bool {
     }
 }
 
-/// Checks a binary operator on two machine integers; returns `None` if the operator is not defined for their types.
+/// Checks a binary operator on two machine integers and returns its typed expression. Returns `None` if the operator is
+/// not defined for the types of its operands.
 pub(crate) fn machine_binary(
     cx: &mut Body<'_, '_>,
     op: BinaryOp,
@@ -201,7 +209,8 @@ pub(crate) fn machine_binary(
     Some(prim::add_prim(cx, prim, &operands, Ty::Machine(of), span))
 }
 
-/// Converts the shift count of `x lsh 3`: an integer becomes an unsigned machine integer of the width of `x`.
+/// Returns the operand `by`, converted if it is the count of a shift such as `x lsh 3` and an integer: it becomes an
+/// unsigned machine integer of the width of `x`, whose type is `of`.
 fn convert_shift_count(
     cx: &mut Body<'_, '_>,
     op: BinaryOp,
@@ -224,7 +233,7 @@ fn convert_shift_count(
     }
 }
 
-/// Checks the bit concatenation `x ++ y` of Kind 2.
+/// Checks the bit concatenation `x ++ y` of Kind 2 and returns its typed expression.
 pub(crate) fn bit_concat<'a>(cx: &mut Body<'_, 'a>, binary: &'a Binary, span: Span) -> ExprId {
     let both = [
         expr::check_expr(cx, &binary.lhs),
@@ -254,7 +263,8 @@ pub(crate) fn with_conversion_fix(
     )
 }
 
-/// Concatenates the bits of two machine integers, `high` above `low`; returns `None` for operands of other types.
+/// Concatenates the bits of two machine integers, with those of `high` above those of `low`, and returns the
+/// expression. Returns `None` for operands of other types.
 fn concat_bits(cx: &mut Body<'_, '_>, [high, low]: [ExprId; 2], span: Span) -> Option<ExprId> {
     let (&Ty::Machine(above), &Ty::Machine(below)) = (cx.ty_of(high), cx.ty_of(low)) else {
         return None;
@@ -290,7 +300,7 @@ fn concat_bits(cx: &mut Body<'_, '_>, [high, low]: [ExprId; 2], span: Span) -> O
     ))
 }
 
-/// Checks a bit slice of a machine integer, such as `x[7:0]`.
+/// Checks a bit slice of a machine integer, such as `x[7:0]`, and returns its typed expression.
 pub(crate) fn bit_slice<'a>(cx: &mut Body<'_, 'a>, of: &'a BitRange, span: Span) -> ExprId {
     let base = expr::check_expr(cx, &of.base);
     let bounds = [&of.high, &of.low].map(|bound| consts::const_integer(cx, bound));
@@ -306,7 +316,10 @@ pub(crate) fn bit_slice<'a>(cx: &mut Body<'_, 'a>, of: &'a BitRange, span: Span)
     let Ty::Machine(machine) = ty else {
         let diagnostic = Diagnostic::new(Code::RPI2006, "only a machine integer has bits")
             .primary(of.base.span, format!("this is `{ty}`"))
-            .help("convert an integer first: `(uint8 n)[3:0]`");
+            .help(format!(
+                "convert it to a machine integer first, such as `(uint8 {})`",
+                Quote::operand(of.base.span)
+            ));
         return cx.report_error_expr(diagnostic, span);
     };
     for (bit, at) in [(high, &of.high), (low, &of.low)] {
@@ -317,7 +330,10 @@ pub(crate) fn bit_slice<'a>(cx: &mut Body<'_, 'a>, of: &'a BitRange, span: Span)
     let Some(part) = MachineInt::new(false, high - low + 1) else {
         let diagnostic = Diagnostic::new(Code::RPI2009, "empty bit range")
             .primary(span, format!("from {high} down to {low}"))
-            .help("the highest bit comes first: `x[7:0]`");
+            .help(format!(
+                "the highest bit comes first: `{}[{low}:{high}]`",
+                Quote::operand(of.base.span)
+            ));
         return cx.report_error_expr(diagnostic, span);
     };
     let (places, width) = (int_literal(cx, low, span), signed_width(cx, machine, span));
@@ -332,7 +348,8 @@ pub(crate) fn bit_slice<'a>(cx: &mut Body<'_, 'a>, of: &'a BitRange, span: Span)
     wrap_to_width(cx, moved, part, span)
 }
 
-/// Returns the bits of a number literal above `i64::MAX`; `None` for any other expression.
+/// Returns the bits of a number literal from 2^63 on, which exceeds a signed 64-bit integer; `None` for any other
+/// expression.
 fn large_literal_bits(value: &Expr) -> Option<i64> {
     match &value.kind {
         ExprKind::Number(number) => {
@@ -345,7 +362,8 @@ fn large_literal_bits(value: &Expr) -> Option<i64> {
     }
 }
 
-/// Returns the primitive of a comparison, and whether it takes the right operand first.
+/// Returns the primitive that compares machine integers, and whether it takes the right operand first; `None` if the
+/// operator is no comparison.
 fn comparison_prim(op: BinaryOp) -> Option<(PrimId, bool)> {
     Some(match op {
         BinaryOp::Gt => (prim!("Rpi::MachineGreater"), false),

@@ -11,6 +11,7 @@ pub(crate) mod machine_int;
 pub(crate) mod quantity;
 pub(crate) mod subrange;
 pub(crate) mod time_sums;
+pub(crate) mod type_args;
 pub(crate) mod type_decls;
 pub(crate) mod value_types;
 
@@ -38,18 +39,17 @@ use rpi_syntax::Name;
 use rpi_syntax::ast::{ArrayType, Dotted, FramePair, NamedType, Type, TypeKind, Unit};
 use std::rc::Rc;
 
-/// Maximum number of leaves of an array, over all levels. A larger array is probably a mistake, and would only use up
-/// memory.
+/// Maximum number of leaves (scalar parts) of an array. A larger one is probably a mistake and would use much memory.
 pub(crate) const MAX_LEAVES: usize = 1 << 16;
 
-/// Type of a declaration, and whether a value of it may be absent.
+/// Type of a declaration, and whether its value may be absent (`T?`).
 #[derive(Clone, Debug)]
 pub(crate) struct DeclaredType {
     pub(crate) ty: Ty,
     pub(crate) optional: bool,
 }
 
-/// Resolves the type of a port or variable, which may be optional as a whole.
+/// Returns the type of a port or variable, which may be optional as a whole (`T?`).
 pub(crate) fn resolve_port_type<'a>(cx: &mut Body<'_, 'a>, ty: &'a Type) -> DeclaredType {
     match &ty.kind {
         TypeKind::Optional(inner) => DeclaredType {
@@ -63,7 +63,8 @@ pub(crate) fn resolve_port_type<'a>(cx: &mut Body<'_, 'a>, ty: &'a Type) -> Decl
     }
 }
 
-/// Resolves a type that is not optional.
+/// Returns the type that a type expression means. An optional type is an error here; the type is unknown after an
+/// error.
 pub(crate) fn resolve_type<'a>(cx: &mut Body<'_, 'a>, ty: &'a Type) -> Ty {
     match &ty.kind {
         TypeKind::Bool => Ty::Bool,
@@ -92,7 +93,7 @@ pub(crate) fn resolve_type<'a>(cx: &mut Body<'_, 'a>, ty: &'a Type) -> Ty {
     }
 }
 
-/// Resolves the type of reals in a unit; unknown while a type parameter in the unit is unknown, and after an error.
+/// Returns the type of reals in a unit. The type is unknown if the unit has a type parameter that is not known yet.
 fn real_type(cx: &mut Body<'_, '_>, unit: &Unit) -> Ty {
     match resolve_unit(cx, unit) {
         Ok(Some(measure)) => Ty::Real(measure.dim),
@@ -104,7 +105,7 @@ fn real_type(cx: &mut Body<'_, '_>, unit: &Unit) -> Ty {
     }
 }
 
-/// Resolves the unit in a type; `None` while a type parameter in it is unknown.
+/// Returns the resolved unit in a type; `None` if it has a type parameter that is not known yet.
 ///
 /// # Errors
 ///
@@ -179,7 +180,7 @@ fn resolve_named_type<'a>(cx: &mut Body<'_, 'a>, named: &'a NamedType) -> Ty {
     }
 }
 
-/// Resolves a type by its name alone.
+/// Returns the type with this name, without static arguments. Reports an undefined type and returns `None`.
 pub(crate) fn type_by_plain_name(cx: &mut Body<'_, '_>, name: &Name, span: Span) -> Option<Ty> {
     if let Some(StaticBinding::Type(ty)) = cx.statics.get(name) {
         return Some(ty.clone());
@@ -206,7 +207,7 @@ pub(crate) fn type_by_plain_name(cx: &mut Body<'_, '_>, name: &Name, span: Span)
     found
 }
 
-/// Whether no declaration and no static parameter has this name, so that it can only be a predeclared type.
+/// Whether a name is neither a declared type nor a static parameter, so that it can only be a predeclared type.
 pub(crate) fn is_undeclared_type(cx: &Body<'_, '_>, name: &Name) -> bool {
     let found = cx
         .checker
@@ -256,7 +257,7 @@ fn resolve_builtin_type<'a>(cx: &mut Body<'_, 'a>, named: &'a NamedType) -> Ty {
     }
 }
 
-/// Resolves a built-in type of Kind 2: a machine integer, or a type of which only the name is known.
+/// Returns a built-in type of Kind 2: a machine integer type, or a type that cannot be executed, such as a set.
 fn kind2_type<'a>(cx: &mut Body<'_, 'a>, named: &'a NamedType) -> Ty {
     let (name, span) = (named.name.name.as_str(), named.name.span);
     if !matches!(name, "set" | "map" | "history") {
@@ -293,7 +294,7 @@ fn type_argument<'a>(cx: &mut Body<'_, 'a>, arg: &'a rpi_syntax::ast::StaticArg)
     }
 }
 
-/// Checks the Kind 2 type `history(x)`, the past values of a flow.
+/// Reports the Kind 2 type `history(x)`, the sequence of past values of a flow, because it cannot be executed.
 fn history(cx: &mut Body<'_, '_>, named: &NamedType) {
     let of = named
         .frames
@@ -309,9 +310,13 @@ fn history(cx: &mut Body<'_, '_>, named: &NamedType) {
         .any(|bound| bound.name == of.name);
     if is_bound || cx.find_flow(&of.name).is_none() {
         let message = format!("`{}` has no history", of.name);
+        let label = match is_bound {
+            true => "a variable of the quantifier, not a flow of the node",
+            false => "not a flow of the node",
+        };
         let diagnostic = Diagnostic::new(Code::RPI2014, message)
-            .primary(of.span, "not a flow of the node")
-            .help("`history(x)` is the sequence of past values of a flow `x`");
+            .primary(of.span, label)
+            .help("write the name of a port or local flow: `history(x)` holds the past values of the flow `x`");
         return report::report_diagnostic(cx, diagnostic);
     }
     proof_only::not_executable(
@@ -346,7 +351,8 @@ fn check_geometry(cx: &mut Body<'_, '_>, frames: Option<&FramePair>) -> Geometry
     }
 }
 
-/// Resolves the name of a frame: declared, of a device, or (in a signature) free.
+/// Returns the name of a frame that is declared or belongs to a device; in the ports of a callable it may be
+/// undeclared.
 fn check_frame(cx: &mut Body<'_, '_>, frame: &Dotted) -> Option<Name> {
     match &frame.parts[..] {
         [one] => {
@@ -362,7 +368,7 @@ fn check_frame(cx: &mut Body<'_, '_>, frame: &Dotted) -> Option<Name> {
     }
 }
 
-/// Resolves the frame in which another frame is placed.
+/// Returns the name of the frame in which another frame is placed. Reports an undefined frame.
 pub(crate) fn parent_frame(cx: &mut Body<'_, '_>, frame: &Dotted) -> Option<Name> {
     check_frame(cx, frame)
 }
@@ -374,8 +380,7 @@ fn is_frame_name(cx: &Body<'_, '_>, name: &Name) -> bool {
     }
 }
 
-/// Whether a name may be a free frame of the signature, bound by the arguments of a call. In the signature itself every
-/// name may be one.
+/// Whether a frame name is free: not declared, and bound by the arguments of a call. In ports every name may be free.
 fn free_frame(cx: &mut Body<'_, '_>, name: &Name) -> bool {
     let known = cx.unit.free_frames.contains(name);
     if !known && cx.in_signature {
@@ -400,9 +405,13 @@ fn checked_frame(cx: &mut Body<'_, '_>, known: bool, name: Name, span: Span) -> 
         let declared = program.visible_names(cx.module, is_frame);
         let free = cx.unit.free_frames.iter().map(Name::as_str);
         let near = cx.checker.suggest(&name, free.chain(declared));
-        let diagnostic = Diagnostic::new(Code::RPI1001, format!("undefined frame `{name}`"))
-            .primary(span, "not declared")
-            .help("declare it by `frame`, name it in the signature, or use a frame of a device");
+        let mut diagnostic = Diagnostic::new(Code::RPI1001, format!("undefined frame `{name}`"))
+            .primary(span, "not declared");
+        if near.is_none() {
+            let help =
+                "declare it by `frame`, name it in the signature, or use a frame of a device";
+            diagnostic = diagnostic.help(help);
+        }
         report::report_diagnostic(cx, diagnostic.did_you_mean(span, near));
     }
     known.then_some(name)
@@ -414,14 +423,14 @@ const KIND2_TYPES: &[&str] = &[
     "uint64", "uint", "sint",
 ];
 
-/// Prefixes of the names of types on whose values operators are not checked.
+/// Prefixes of the names of Kind 2 types whose operators are not checked.
 pub(crate) const UNCHECKED_TYPE_PREFIXES: &[&str] = &["set<", "map<"];
 
 fn is_kind2_type_name(name: &str) -> bool {
     KIND2_TYPES.contains(&name)
 }
 
-/// Whether a type is a built-in type of Kind 2 whose name starts with one of these prefixes.
+/// Returns whether a type is a built-in type of Kind 2 whose name starts with one of the prefixes `beginnings`.
 pub(crate) fn is_kind2_type(ty: &Ty, beginnings: &[&str]) -> bool {
     let Ty::Struct(of) = ty else {
         return false;
@@ -433,7 +442,7 @@ pub(crate) fn is_kind2_type(ty: &Ty, beginnings: &[&str]) -> bool {
             .any(|beginning| of.name.starts_with(beginning))
 }
 
-/// Returns the diagnostic for an array with too many leaves.
+/// Returns the diagnostic for an array with too many leaves (scalar parts).
 pub(crate) fn too_large(span: Span) -> Diagnostic {
     Diagnostic::new(Code::RPI2009, "the array is too large")
         .primary(span, format!("more than {MAX_LEAVES} values"))

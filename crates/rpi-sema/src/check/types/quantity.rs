@@ -2,10 +2,10 @@
 
 use crate::ty::Ty;
 use crate::units::{BaseDim, Dimension, Ratio, UnitError};
-use rpi_diag::{Code, Diagnostic, Fix, Span};
+use rpi_diag::{Code, Diagnostic, Fix, Quote, Span};
 use rpi_syntax::ops::UnaryOp;
 
-/// Value in a diagnostic about quantities: its dimension, its location, and whether it is a number literal.
+/// Value in a diagnostic about physical quantities: its dimension, its location, and whether it is a number literal.
 #[derive(Clone, Copy)]
 pub(crate) struct MeasuredValue {
     pub(crate) dim: Dimension,
@@ -13,7 +13,7 @@ pub(crate) struct MeasuredValue {
     pub(crate) is_number: bool,
 }
 
-/// Returns the description of a dimension: `a length in m`, `a quantity in m^2/s`, `a plain number`.
+/// Returns a description of a dimension, such as `a length in m`, `a quantity in m^2/s` or `a plain number`.
 pub(crate) fn describe_dim(dim: Dimension) -> String {
     match (dim == Dimension::ONE, dim.quantity_literal()) {
         (true, _) => "a plain number".to_owned(),
@@ -22,7 +22,7 @@ pub(crate) fn describe_dim(dim: Dimension) -> String {
     }
 }
 
-/// Returns the description of a dimension for a label.
+/// Returns the text "this is ..." with a description of a dimension, for the label of a value.
 fn dim_label(dim: Dimension) -> String {
     match dim == Dimension::ONE {
         true => "this has no unit".to_owned(),
@@ -42,7 +42,7 @@ pub(crate) fn dimension_mismatch(expected: Dimension, found: MeasuredValue) -> D
     with_suggestion(diagnostic, expected, found)
 }
 
-/// Returns the diagnostic for two operands with incompatible dimensions.
+/// Returns the diagnostic for an operator `op` whose two operands have incompatible dimensions.
 pub(crate) fn incompatible_dimensions(
     op: &str,
     left: MeasuredValue,
@@ -62,7 +62,7 @@ pub(crate) fn incompatible_dimensions(
     }
 }
 
-/// Returns the diagnostic for a number without a unit where an angle is expected.
+/// Returns the diagnostic for a value without an angle unit where the dimension `wanted` contains an angle.
 pub(crate) fn angle_without_unit(wanted: Dimension, found: MeasuredValue) -> Diagnostic {
     let message = format!(
         "expected {}, found {}",
@@ -70,7 +70,8 @@ pub(crate) fn angle_without_unit(wanted: Dimension, found: MeasuredValue) -> Dia
         describe_dim(found.dim)
     );
     let diagnostic = Diagnostic::new(Code::RPI2004, message);
-    match (found.is_number, wanted.divided_by(found.dim)) {
+    let lacks_unit = found.is_number && found.dim == Dimension::ONE;
+    match (lacks_unit, wanted.divided_by(found.dim)) {
         (true, _) => with_unit_fixes(
             diagnostic.primary(found.span, "degrees or radians?"),
             wanted,
@@ -78,7 +79,10 @@ pub(crate) fn angle_without_unit(wanted: Dimension, found: MeasuredValue) -> Dia
         ),
         (false, Some(Dimension::ANGLE)) if found.dim != Dimension::ONE => diagnostic
             .primary(found.span, "revolutions, degrees or radians?")
-            .help("multiply by an angle: `1[rev]`, `1[rad]`"),
+            .help(format!(
+                "multiply it by the angle of one unit: `{0} * 1[rev]`, `{0} * 1[rad]`",
+                Quote::operand(found.span)
+            )),
         _ => diagnostic
             .primary(found.span, "degrees or radians?")
             .help(format!(
@@ -87,45 +91,76 @@ pub(crate) fn angle_without_unit(wanted: Dimension, found: MeasuredValue) -> Dia
     }
 }
 
-/// Adds to a diagnostic how the value can be given the expected dimension.
+/// Adds help on how the value `found` can be given the dimension `wanted`.
 fn with_suggestion(diagnostic: Diagnostic, wanted: Dimension, found: MeasuredValue) -> Diagnostic {
     if found.is_number && found.dim == Dimension::ONE {
         return with_unit_fixes(diagnostic, wanted, found.span);
     }
+    if wanted.is_dimensionless() && found.dim.has_free() {
+        return diagnostic.help(SAME_PARAMETER_HELP);
+    }
     if wanted.is_dimensionless() {
-        return diagnostic.help(plain_number_help(found.dim));
+        return diagnostic.help(plain_value_help(found));
     }
     if found.dim.is_dimensionless() {
         return diagnostic.help(format!("multiply by {}", describe_dim(wanted)));
     }
     if found.dim.power(Ratio::HALF) == Some(wanted) {
-        return diagnostic.help("its square root has the expected dimension: `sqrt(x)`");
+        return diagnostic.help(format!(
+            "its square root has the expected dimension: `sqrt({})`",
+            Quote::text(found.span)
+        ));
     }
     if is_charge_for_temperature(wanted, found.dim) {
         return diagnostic.help(
             "`C` is the coulomb; temperatures are in kelvin, 20 degrees Celsius are `293.15[K]`",
         );
     }
-    diagnostic.help(conversion_help(wanted, found.dim))
+    diagnostic.help(conversion_help(wanted, found))
 }
 
-/// Returns the advice to get a plain number from a quantity.
+/// Help for values of different type parameters.
+const SAME_PARAMETER_HELP: &str = "a call may choose different units for type parameters; give both values the same type parameter";
+
+/// Returns the help text on how a plain number is obtained from a quantity of this dimension.
 pub(crate) fn plain_number_help(found: Dimension) -> String {
     format!("divide by {} to get a plain number", describe_dim(found))
 }
 
-/// Returns the advice to get a quantity of the dimension `wanted` from one of the dimension `found`. A factor is named
-/// only if it is a usual quantity: nobody multiplies a force by a quantity in `m/N` because a type asks for it.
-fn conversion_help(wanted: Dimension, found: Dimension) -> String {
+/// Returns the advice to get a plain number from this value.
+fn plain_value_help(value: MeasuredValue) -> String {
+    match value.is_number {
+        true => "write the number without a unit".to_owned(),
+        false => format!(
+            "divide it by one unit to get a plain number: `({} / 1[{}])`",
+            Quote::operand(value.span),
+            value.dim
+        ),
+    }
+}
+
+/// Returns the help text on how a quantity of the dimension `wanted` is obtained from `value`, which has another
+/// dimension. A factor is suggested only if it is a usual quantity, such as a time, and not one in `m/N`.
+fn conversion_help(wanted: Dimension, value: MeasuredValue) -> String {
+    let found = value.dim;
+    if value.is_number && !wanted.has_free() {
+        return format!(
+            "correct the unit of the number: {} has the unit `{wanted}`",
+            wanted.quantity_literal().unwrap_or("the expected value")
+        );
+    }
     let factor = wanted.divided_by(found);
     if let Some(operation) = factor.and_then(|factor| usual_operation(factor, found)) {
         return format!("{operation} to get {}", short_name(wanted, "a"));
     }
     if wanted == found.inverse() {
-        return "its reciprocal has the expected dimension: `1.0 / x`".to_owned();
+        return format!(
+            "its reciprocal has the expected dimension: `1.0 / {}`",
+            Quote::operand(value.span)
+        );
     }
     if wanted.has_free() && found.has_free() {
-        return "a call may choose different units for type parameters; give both values the same type parameter".to_owned();
+        return SAME_PARAMETER_HELP.to_owned();
     }
     format!(
         "check which value is meant: no usual factor turns {} into {}",
@@ -134,8 +169,8 @@ fn conversion_help(wanted: Dimension, found: Dimension) -> String {
     )
 }
 
-/// Returns the operation with a factor as text, if the factor is a usual quantity or the square of one: "divide the length
-/// by a time in `s`", "multiply ...".
+/// Returns a text such as "divide the length by a time in `s`" for multiplying a quantity of the dimension `found` by
+/// `factor`. `None` unless the factor, its reciprocal, or the square root of one of them is a usual quantity.
 fn usual_operation(factor: Dimension, found: Dimension) -> Option<String> {
     let operation = |word: &str, dim: Dimension, often: &str| {
         let by = dim.quantity_literal().map(|_| describe_dim(dim))?;
@@ -153,8 +188,8 @@ fn usual_operation(factor: Dimension, found: Dimension) -> Option<String> {
     }
 }
 
-/// Returns the name of a quantity after an article, without its unit: `the time`; for a quantity without a name, its
-/// unit: `the value in m*s`.
+/// Returns the name of a quantity with an article and without its unit, such as `the time`. A quantity without a name
+/// is described by its unit: `the value in m*s`.
 fn short_name(dim: Dimension, article: &str) -> String {
     match dim.quantity_literal() {
         Some(name) if article == "a" => name.to_owned(),
@@ -171,7 +206,7 @@ fn is_charge_for_temperature(wanted: Dimension, found: Dimension) -> bool {
     wanted == Dimension::base(BaseDim::Temperature) && Some(found) == charge
 }
 
-/// Units that are commonly used for a dimension, by its coherent unit.
+/// Units that are commonly used for a dimension, each row with the coherent SI unit of the dimension first.
 const COMMON_UNITS: &[(&str, &[&str])] = &[
     ("m", &["m", "mm"]),
     ("m/s", &["m/s", "mm/s"]),
@@ -182,7 +217,7 @@ const COMMON_UNITS: &[(&str, &[&str])] = &[
     ("rad/s^2", &["deg/s^2", "rad/s^2"]),
 ];
 
-/// Adds a fix for each unit that the author may have meant for a number.
+/// Adds a fix for each common unit of the dimension `wanted` that the author may have meant for the number at `number`.
 pub(crate) fn with_unit_fixes(
     diagnostic: Diagnostic,
     wanted: Dimension,
@@ -194,12 +229,13 @@ pub(crate) fn with_unit_fixes(
     let fixes = units.into_iter().map(|unit| {
         Fix::maybe(format!("use the unit `{unit}`")).insert_after(number, format!("[{unit}]"))
     });
-    let mut diagnostic = diagnostic.help("write the unit after the number: `250[mm]`");
+    let mut diagnostic = diagnostic
+        .help("a number without a unit in brackets is a plain number: add the unit that is meant");
     diagnostic.fixes.extend(fixes);
     diagnostic
 }
 
-/// Returns the diagnostic for a unit in brackets that is unknown or has an exponent out of range.
+/// Returns the diagnostic for a unit in brackets that is unknown or has an exponent that is out of range.
 pub(crate) fn invalid_unit(fault: &UnitError) -> Diagnostic {
     match fault {
         UnitError::Unknown { name, span, near } => {
@@ -207,9 +243,8 @@ pub(crate) fn invalid_unit(fault: &UnitError) -> Diagnostic {
                 .primary(*span, "not a unit");
             match is_celsius(name) {
                 // Kelvin is not suggested: the value would be wrong by 273.15.
-                true => {
-                    diagnostic.help("temperatures are absolute: 20 degrees Celsius are `293.15[K]`")
-                }
+                true => diagnostic
+                    .help("temperatures are in kelvin, `K`: 20 degrees Celsius are `293.15[K]`"),
                 false => diagnostic.did_you_mean(*span, near.clone()),
             }
         }
@@ -227,18 +262,20 @@ fn is_celsius(name: &str) -> bool {
         .any(|one| one.eq_ignore_ascii_case(name))
 }
 
-/// Adds a suggestion for an operand that a unary operator does not accept.
+/// Adds help for an operand of the type `ty` that the unary operator `op` does not accept.
 pub(crate) fn with_operand_hint(
     diagnostic: Diagnostic,
     op: UnaryOp,
     ty: &Ty,
-    name: &str,
+    operand: Span,
 ) -> Diagnostic {
+    let name = Quote::operand(operand);
     match ty {
-        Ty::Int | Ty::Real(_) => diagnostic.help(match ty {
-            Ty::Int => format!("a condition is a comparison: `{name} = 0`"),
-            _ => format!("a condition is a comparison: `{name} <= 0.0`"),
-        }),
+        Ty::Int => diagnostic.help(format!("a condition is a comparison, such as `{name} = 0`")),
+        Ty::Real(_) | Ty::Duration => diagnostic.help(format!(
+            "a condition is a comparison, such as `{name} <= {}`",
+            ty.zero_literal().unwrap_or("0".to_owned())
+        )),
         Ty::Array(_, n) => diagnostic.help(format!(
             "apply it to each element: `map<<{}, {n}>>({name})`",
             op.spelling()

@@ -10,17 +10,21 @@ use rpi_diag::{Code, Diagnostic, Fix, Span};
 use rpi_net::prim;
 use rpi_syntax::ast;
 
-/// Maximum number of expressions examined for one flow.
+/// Maximum number of expressions examined for one flow in the search for sums of times.
 const MAX_EXPRS: usize = 200;
 
-/// Records a flow if it is declared in seconds.
-pub(crate) fn record_seconds(cx: &mut Body<'_, '_>, flow: FlowId, ty: &ast::Type) {
+/// Records a flow if it is declared in seconds or in per cent.
+pub(crate) fn record_unit(cx: &mut Body<'_, '_>, flow: FlowId, ty: &ast::Type) {
     if cx.unit.flow(flow).ty == crate::ty::machine_types::SECONDS && unit::reads_rpi_syntax(cx) {
         cx.times.declared_seconds.push((flow, ty.span));
     }
+    if matches!(&ty.kind, ast::TypeKind::Real(Some(unit)) if unit.is_percent()) {
+        cx.inference.per_cent_flows.insert(flow);
+    }
 }
 
-/// Warns about flows declared in seconds that add a time to their previous value.
+/// Warns about flows declared in seconds that add an exact time to their previous value, because rounding errors
+/// accumulate.
 pub(crate) fn check_time_sums(cx: &mut Body<'_, '_>) {
     if cx.times.declared_seconds.is_empty() {
         return;
@@ -51,8 +55,8 @@ fn rounding_warning(unit: &Unit, flow: FlowId, declared: Span, sum: ExprId) -> D
         .fix(Fix::maybe("declare it as `time`").replace(declared, "time"))
 }
 
-/// Search for sums of a time and a previous value in the defining expressions of a unit. Flows of states count as the
-/// outer flow that they define.
+/// Search, in the definitions of flows of a unit, for sums of an exact time and the previous value of the flow. A flow
+/// local to a state counts as the flow outside of the automaton that it defines.
 struct TimeSums<'u> {
     unit: &'u Unit,
     shared_flow_of: &'u FastMap<FlowId, FlowId>,
@@ -84,7 +88,8 @@ impl<'u> TimeSums<'u> {
         self.shared_flow_of.get(&flow).copied().unwrap_or(flow)
     }
 
-    /// Returns the sum in a value that adds a time to the previous value of the flow.
+    /// Returns the sum within `value` that adds an exact time to the previous value of the flow; `None` if there is
+    /// none.
     fn find_time_sum(&mut self, flow: FlowId, value: ExprId) -> Option<ExprId> {
         let mut open = vec![value];
         while let Some(id) = open.pop() {
@@ -115,7 +120,7 @@ impl<'u> TimeSums<'u> {
         takes && (of(self, a, b) || adds && of(self, b, a))
     }
 
-    /// Whether an expression in seconds is a converted time.
+    /// Whether an expression in seconds is an exact time that was converted to seconds.
     fn is_time(&self, id: ExprId) -> bool {
         let TypedKind::Prim(call) = &self.unit.expr(id).kind else {
             return false;
@@ -124,7 +129,7 @@ impl<'u> TimeSums<'u> {
         times.contains(&call.prim.desc().name)
     }
 
-    /// Whether a value is the value of a flow in an earlier cycle.
+    /// Whether an expression is the value of the flow in an earlier cycle.
     fn is_previous_value(&mut self, flow: FlowId, value: ExprId) -> bool {
         let mut open = vec![(value, false)];
         while let Some((id, delayed)) = open.pop() {

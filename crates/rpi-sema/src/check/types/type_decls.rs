@@ -12,12 +12,12 @@ use crate::check::{Checker, Lazy};
 use crate::program::{DeclId, DeclKind};
 use crate::ty::{EnumTy, Member, StructTy, Ty};
 use crate::typed::Leaf;
-use rpi_diag::{Code, Diagnostic};
+use rpi_diag::{Code, Diagnostic, Span};
 use rpi_syntax::Name;
 use rpi_syntax::ast::{Ident, TypeDef, TypeKind, VarDecl};
 use std::rc::Rc;
 
-/// Checks a type declaration or device type on its own.
+/// Checks the declaration of a type or device type on its own. Type parameters stand for unknown types.
 pub(crate) fn check_type(checker: &mut Checker<'_>, id: DeclId) {
     match checker.program.decl(id).kind {
         DeclKind::Type(def) => {
@@ -39,7 +39,7 @@ pub(crate) fn type_decl(checker: &mut Checker<'_>, id: DeclId) -> Ty {
     type_instance(checker, id, Rc::default())
 }
 
-/// Returns the type that a declaration declares for these static arguments.
+/// Returns the type that the declaration `id` declares for these static arguments, and checks it on first use.
 pub(crate) fn type_instance(
     checker: &mut Checker<'_>,
     id: DeclId,
@@ -81,7 +81,8 @@ fn type_def(checker: &mut Checker<'_>, id: DeclId, statics: Rc<StaticBindings>) 
     ty
 }
 
-/// Reports declarations that are defined by each other, such as a struct that contains itself.
+/// Reports declarations that depend on one another, such as a struct that contains itself. `what` is the kind of
+/// declaration.
 pub(crate) fn report_dependency_cycle(checker: &mut Checker<'_>, what: &str, id: DeclId) {
     let from = checker
         .in_progress
@@ -106,9 +107,7 @@ pub(crate) fn report_dependency_cycle(checker: &mut Checker<'_>, what: &str, id:
     };
     let mut diagnostic = Diagnostic::new(Code::RPI1007, message);
     if ring.is_empty() {
-        let decl = checker.program.decl(id);
-        let text = format!("the definition of `{name}` leads back to `{name}`");
-        diagnostic = diagnostic.primary(decl.span, text);
+        diagnostic = with_alias_labels(checker, diagnostic, id);
     }
     for (k, decl) in ring.iter().enumerate() {
         let next = &ring[(k + 1) % ring.len()].name;
@@ -117,15 +116,62 @@ pub(crate) fn report_dependency_cycle(checker: &mut Checker<'_>, what: &str, id:
             0 => diagnostic.primary(decl.span, text),
             _ => diagnostic.secondary(decl.span, text),
         };
+        diagnostic = match field_of_type(decl.kind, next) {
+            Some(span) => diagnostic.secondary(span, format!("a part of type `{next}`")),
+            None => diagnostic,
+        };
     }
     let help = match what {
         "constant" => "give one of these constants a value of its own",
         "type" => {
-            "delete one of these parts: a type has a fixed size, so that it cannot hold itself"
+            "a type has a fixed size, so that no part of it can have the same type: delete this part, or declare an array of a fixed size, such as `int^8`, and a number of used elements"
         }
-        _ => "break the circle: define one of them without the others",
+        _ => "break the dependency cycle: let one of these names stand for a node with a body",
     };
     checker.diagnostics.push(diagnostic.help(help));
+}
+
+/// Labels the aliases of nodes on a dependency cycle, which begins with the declaration `id`.
+fn with_alias_labels(checker: &Checker<'_>, diagnostic: Diagnostic, id: DeclId) -> Diagnostic {
+    let from = checker.aliases.iter().position(|open| *open == id);
+    let alone = [id];
+    let ring = from.map_or(&alone[..], |from| &checker.aliases[from..]);
+    let mut diagnostic = diagnostic;
+    for (k, alias) in ring.iter().enumerate() {
+        let (decl, next) = (
+            checker.program.decl(*alias),
+            checker.program.decl(ring[(k + 1) % ring.len()]),
+        );
+        let text = format!("`{}` is another name of `{}`", decl.name, next.name);
+        diagnostic = match k {
+            0 => diagnostic.primary(decl.span, text),
+            _ => diagnostic.secondary(decl.span, text),
+        };
+    }
+    diagnostic
+}
+
+/// Returns the place of the first field or part of a declared type whose own type is the type `name`.
+fn field_of_type(kind: DeclKind<'_>, name: &Name) -> Option<Span> {
+    let DeclKind::Type(def) = kind else {
+        return None;
+    };
+    let fields: Vec<&VarDecl> = match &def.ty.as_ref()?.kind {
+        TypeKind::Struct(fields) => fields.iter().collect(),
+        TypeKind::Datatype(all) => all.iter().flat_map(|one| &one.fields).collect(),
+        _ => return None,
+    };
+    let is_named = |ty: &rpi_syntax::ast::Type| match &ty.kind {
+        TypeKind::Named(named) => named.name.name == *name,
+        TypeKind::Array(array) => {
+            matches!(&array.element.kind, TypeKind::Named(named) if named.name.name == *name)
+        }
+        _ => false,
+    };
+    let mut fields = fields.into_iter();
+    fields
+        .find(|field| is_named(&field.ty))
+        .map(|field| field.ty.span)
 }
 
 fn resolve_type_def<'a>(cx: &mut Body<'_, 'a>, def: &'a TypeDef) -> Ty {
@@ -146,7 +192,7 @@ fn resolve_type_def<'a>(cx: &mut Body<'_, 'a>, def: &'a TypeDef) -> Ty {
     }
 }
 
-/// Returns the name of a type with its static arguments.
+/// Returns the name of a declared type with its static arguments, for messages.
 fn type_name(cx: &Body<'_, '_>, def: &TypeDef) -> Name {
     let params = crate::check::signatures::static_params::static_params(&def.statics);
     crate::check::signatures::instance::instance_name(
@@ -213,7 +259,7 @@ fn field_defaults<'a>(cx: &mut Body<'_, 'a>, decls: &'a [VarDecl]) -> Vec<Option
     defaults
 }
 
-/// Returns the diagnostic for a type parameter in a unit that is not a type of reals.
+/// Returns the diagnostic for a type parameter `name` in a unit whose type `ty` is not a type of reals.
 pub(crate) fn not_a_quantity(name: &Ident, ty: &Ty) -> Diagnostic {
     let message = match ty.to_string() == name.name.as_str() {
         // The body is checked for all types of this parameter.

@@ -6,10 +6,10 @@ use crate::check::diagnostics::report::wrong_kind_of_name;
 use crate::check::types;
 use crate::program::{DeclId, DeclKind, Lookup, NameSpace};
 use crate::ty::Ty;
-use rpi_diag::Span;
+use rpi_diag::{Code, Diagnostic, Quote, Span};
 use rpi_syntax::ast::{Type, TypeKind};
 
-/// Resolves the type of a value; reports a device.
+/// Returns the type of a value. Reports a device type, because a device is not a value.
 pub(crate) fn resolve_value_type<'a>(cx: &mut Body<'_, 'a>, ty: &'a Type) -> Ty {
     // Recognised by its name alone: the declaration of the device may need this very type.
     if let Some(device) = named_device(cx, ty) {
@@ -17,7 +17,19 @@ pub(crate) fn resolve_value_type<'a>(cx: &mut Body<'_, 'a>, ty: &'a Type) -> Ty 
         return device_as_value(cx, &declared.name, ty.span, declared.span);
     }
     match types::resolve_type(cx, ty) {
-        Ty::Device(device) => device_as_value(cx, &device.name, ty.span, Span::NONE),
+        Ty::Device(device) => {
+            let message = format!("`{}` is a device, not a type of values", device.name);
+            let diagnostic = Diagnostic::new(Code::RPI1003, message).primary(
+                ty.span,
+                format!(
+                    "`{}` is another name of `{}`",
+                    Quote::text(ty.span),
+                    device.name
+                ),
+            );
+            report::report_diagnostic(cx, diagnostic.help(DEVICE_HELP));
+            Ty::Unknown
+        }
         ty => ty,
     }
 }
@@ -47,4 +59,4 @@ fn named_device(cx: &Body<'_, '_>, ty: &Type) -> Option<DeclId> {
 }
 
 const DEVICE_HELP: &str =
-    "declare a device as a parameter of a command, fragment or node: `command C (arm: Arm)`";
+    "use a type of values here; a device is declared as a parameter of a command, fragment or node";

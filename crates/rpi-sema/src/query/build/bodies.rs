@@ -45,7 +45,8 @@ fn index_statement<'a>(builder: &mut Builder<'a>, scope: ScopeId, statement: &'a
     }
 }
 
-/// Visits the equations to which a block is desugared.
+/// Indexes the equations of a block of equations (`if`, `when`, `cond` or `frame`) that the parser has translated to
+/// plain equations.
 fn desugared<'a>(builder: &mut Builder<'a>, at: DefPosition<'a>, means: &'a Desugared) {
     for (equation, _) in &means.equations {
         index_equation(builder, at, equation);
@@ -75,8 +76,9 @@ fn index_target<'a>(
     }
 }
 
-/// Resolves a plain name on the left of an equation: a flow declared in this scope, a flow of an enclosing scope
-/// that the equation defines, or a new local flow.
+/// Returns the definition to which a plain name on the left of an equation refers: a flow declared in this scope, a
+/// flow of an enclosing scope that the equation defines, or a new local flow. `None` for `_` and for an undeclared name
+/// in Lustre.
 fn resolve_target<'a>(
     builder: &mut Builder<'a>,
     at: DefPosition<'a>,
@@ -98,8 +100,8 @@ fn resolve_target<'a>(
     }
 }
 
-/// Returns whether an equation in a scope defines a flow of an enclosing scope: an input or parameter, or a flow
-/// shared by states. A fragment has its own flows.
+/// Returns whether an equation in a scope defines the flow `id` of an enclosing scope: a parameter or in-port, or a
+/// flow that several states of an automaton define. A fragment has flows of its own.
 fn defines_outer_flow(builder: &Builder<'_>, scope: ScopeId, id: DefId) -> bool {
     let def = builder.index.def(id);
     use DefKind::{Input, Local, Output, Param, TakenOver};
@@ -110,7 +112,8 @@ fn defines_outer_flow(builder: &Builder<'_>, scope: ScopeId, id: DefId) -> bool 
     }
 }
 
-/// Returns whether a scope is a state of an automaton in `parent`, directly or nested.
+/// Returns whether a scope belongs to a state of an automaton in the definition `parent`, directly or through nested
+/// automata.
 fn is_state_in(builder: &Builder<'_>, scope: ScopeId, parent: Option<DefId>) -> bool {
     let owner = |id: DefId| Some(builder.index.def(id)).filter(|def| def.kind == DefKind::State);
     let innermost = builder.index.scope(scope).owner.and_then(owner);
@@ -130,7 +133,7 @@ fn block<'a>(builder: &mut Builder<'a>, at: DefPosition<'a>, fragment: &'a Fragm
     index_body(builder, scope, &fragment.body);
 }
 
-/// Defines a block inside a body and returns its scope.
+/// Adds a definition for a fragment or state inside of a body, and returns its inner scope.
 fn define_block<'a>(
     builder: &mut Builder<'a>,
     at: DefPosition<'a>,
@@ -175,7 +178,7 @@ fn index_automaton<'a>(builder: &mut Builder<'a>, at: DefPosition<'a>, automaton
     }
 }
 
-/// Defines the flows that a state defines but does not declare in the enclosing scope.
+/// Adds definitions, in the enclosing scope, for the flows that a state of an automaton defines but does not declare.
 fn define_shared<'a>(builder: &mut Builder<'a>, at: DefPosition<'a>, state: &'a State) {
     let is_declared = |name: &Ident| declared_names(state).any(|known| known.name == name.name);
     let equations = state.body.statements.iter();
@@ -197,8 +200,8 @@ fn define_shared<'a>(builder: &mut Builder<'a>, at: DefPosition<'a>, state: &'a 
     }
 }
 
-/// Records the references in the transitions of a state. Strong transitions are evaluated in the enclosing scope, weak
-/// ones in the scope of the state.
+/// Records the names in the conditions of a state's transitions, to be resolved later. Strong transitions (`unless`)
+/// are evaluated in the enclosing scope `around`, weak ones (`until`) in the scope `inside` of the state.
 fn index_transitions<'a>(
     builder: &mut Builder<'a>,
     around: ScopeId,

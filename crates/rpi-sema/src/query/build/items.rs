@@ -159,7 +159,7 @@ fn index_fragment<'a>(builder: &mut Builder<'a>, at: DefPosition<'a>, fragment: 
     bodies::index_body(builder, scope, &fragment.body);
 }
 
-/// Defines a callable with its parameters and ports.
+/// Adds definitions for a callable, its static parameters and its ports. Returns the definition and its inner scope.
 fn callable<'a>(
     builder: &mut Builder<'a>,
     at: DefPosition<'a>,
@@ -183,7 +183,7 @@ fn callable<'a>(
     (def, scope)
 }
 
-/// Defines a declaration with static parameters and returns its inner scope.
+/// Adds definitions for a declaration and its static parameters. Returns the definition and its inner scope.
 fn define_with_params<'a>(
     builder: &mut Builder<'a>,
     at: DefPosition<'a>,
@@ -233,7 +233,8 @@ fn index_device<'a>(builder: &mut Builder<'a>, at: DefPosition<'a>, device: &'a 
     }
 }
 
-/// Indexes the ports of one actuator or sensor, with the parts of a sensor that has several.
+/// Adds definitions for the ports of one actuator or sensor. A sensor whose value has several parts gets definitions
+/// for the parts as well.
 fn index_ports<'a>(builder: &mut Builder<'a>, scope: ScopeId, ports: &'a [VarDecl]) {
     let before = builder.index.defs.len();
     index_vars(builder, scope, ports, DefKind::Port);
@@ -307,7 +308,7 @@ fn index_steps<'a>(builder: &mut Builder<'a>, scope: ScopeId, steps: &'a [Step])
     }
 }
 
-/// Defines ports, parameters or fields.
+/// Adds definitions of the given kind for declared ports, parameters or fields.
 pub(super) fn index_vars<'a>(
     builder: &mut Builder<'a>,
     scope: ScopeId,
@@ -371,7 +372,7 @@ pub(super) fn locals<'a>(
     }
 }
 
-/// Defines the results of a command or test.
+/// Adds definitions for the results with which a command or test can end.
 fn index_results<'a>(builder: &mut Builder<'a>, at: DefPosition<'a>, body: &'a Body) {
     for statement in &body.statements {
         if let rpi_syntax::ast::StatementKind::CommandEnd(end) = &statement.kind {

@@ -19,7 +19,7 @@ use rpi_syntax::Dialect;
 use rpi_syntax::ast::{Body, Callee, Clock, Doc, Dotted, Expr, Ident, Run, Target, Type, Update};
 use shapes::Shapes;
 
-/// Builds the table of a program.
+/// Builds the index of the definitions and references of a program.
 pub(super) fn build<'a>(program: &Program<'a>, sources: &[Source<'a>]) -> Index {
     let mut builder = Builder::new();
     let scopes: Vec<ScopeId> = sources
@@ -40,7 +40,7 @@ pub(super) fn build<'a>(program: &Program<'a>, sources: &[Source<'a>]) -> Index 
     builder.index
 }
 
-/// Part of the syntax tree whose names are resolved once all names are defined.
+/// Part of the syntax tree with names that are resolved after all names have been defined.
 #[derive(Clone, Copy)]
 enum PendingRef<'a> {
     Expr(&'a Expr),
@@ -50,13 +50,14 @@ enum PendingRef<'a> {
     Dotted(&'a Dotted),
     Callee(&'a Callee),
     Run(&'a Run),
-    /// Plain name that refers to a state or step.
+    /// Plain name that refers to a state of an automaton or a step of a task.
     Name(&'a Ident),
-    /// Name that refers to a module.
+    /// Name of a module in a `use` clause.
     Module(&'a Ident),
 }
 
-/// Syntax from which the members of a definition follow: its type, or the expression that defines it.
+/// Syntax that determines which members a definition has: its type, the expression that defines it, or the target of an
+/// alias.
 #[derive(Clone, Copy)]
 enum ShapeOrigin<'a> {
     Type(&'a Type),
@@ -64,7 +65,7 @@ enum ShapeOrigin<'a> {
     Alias(&'a Callee),
 }
 
-/// Position of a definition: its scope, the span of the whole declaration, and the doc comment.
+/// Position of a definition: its scope, the span of the whole declaration, and the doc comment above it.
 #[derive(Clone, Copy)]
 struct DefPosition<'a> {
     scope: ScopeId,
@@ -73,7 +74,7 @@ struct DefPosition<'a> {
 }
 
 impl<'a> DefPosition<'a> {
-    /// Returns this position with another span and, if there is one, another doc comment.
+    /// Returns this position with another span. It also gets the doc comment `doc` if there is one.
     fn with_span(self, whole: Span, doc: Option<&'a Doc>) -> DefPosition<'a> {
         DefPosition {
             whole,
@@ -83,7 +84,7 @@ impl<'a> DefPosition<'a> {
     }
 }
 
-/// State of the construction of the index.
+/// State of building the index of definitions and references.
 struct Builder<'a> {
     index: Index,
     mode: Dialect,
@@ -109,7 +110,7 @@ impl<'a> Builder<'a> {
         }
     }
 
-    /// Defines a module and returns the scope of its declarations.
+    /// Adds a definition for a module and returns the scope of its declarations.
     fn module(&mut self, source: &Source<'a>) -> ScopeId {
         let file = file_of(source);
         let start = file.map_or(Span::NONE, |file| Span::new(file, 0, 0));
@@ -144,7 +145,7 @@ impl<'a> Builder<'a> {
         id
     }
 
-    /// Adds the inner scope of a definition.
+    /// Adds a scope for the names inside of the definition `owner` and returns it.
     fn inner(&mut self, at: DefPosition<'a>, owner: DefId) -> ScopeId {
         self.scope(at.whole, Some(at.scope), Some(owner))
     }
@@ -156,7 +157,8 @@ impl<'a> Builder<'a> {
         id
     }
 
-    /// Defines a name in a scope. The first definition of a name takes precedence.
+    /// Adds a definition of a name to a scope and returns it. If the scope already defines the name, lookups find the
+    /// first definition.
     fn define(&mut self, at: DefPosition<'a>, name: &'a Ident, kind: DefKind) -> DefId {
         let id = self.push(Def {
             name: name.name.clone(),
@@ -175,14 +177,14 @@ impl<'a> Builder<'a> {
         id
     }
 
-    /// Records a reference to a definition.
+    /// Records that the name at `span` refers to the definition `def`.
     fn refer(&mut self, span: Span, def: DefId) {
         if !span.is_none() {
             self.index.references.push(Reference { span, def });
         }
     }
 
-    /// Records the declared type of a definition, which gives its members.
+    /// Records the declared type of a definition. The type determines which members the definition has.
     fn set_type(&mut self, def: DefId, scope: ScopeId, ty: &'a Type) {
         self.index.defs[def.0 as usize].ty = Some(ty.span);
         self.shapes.set(def, scope, ShapeOrigin::Type(ty));
@@ -200,7 +202,7 @@ impl<'a> Builder<'a> {
     }
 }
 
-/// Returns the file of a module; none if the module is empty.
+/// Returns the file of a module; `None` if the module has no declarations.
 fn file_of(source: &Source<'_>) -> Option<FileId> {
     let items = source.files.iter().flat_map(|file| &file.items);
     items.map(|item| item.span.file).next()

@@ -13,7 +13,7 @@ use rpi_syntax::ast::{
     Pattern, Quantified, ResultPattern, SliceBounds, StaticArg, StaticValue, StructExpr, TypeKind,
 };
 
-/// Resolves everything on the worklist and computes the shape of every definition.
+/// Resolves all names that have been recorded for resolution, and determines for each definition which members it has.
 pub(super) fn resolve_pending(builder: &mut Builder<'_>) {
     for (scope, work) in std::mem::take(&mut builder.pending) {
         match work {
@@ -131,7 +131,8 @@ fn index_match<'a>(builder: &mut Builder<'a>, scope: ScopeId, of: &'a Match) {
     }
 }
 
-/// Visits an expression with bound names. If one of them shadows an outer name, the expression is not resolved.
+/// Indexes an expression in which further names are bound, as in a quantifier. If one of them has the name of a visible
+/// definition, the expression is left out, because its names would be resolved wrongly.
 fn binder_expr<'a>(
     builder: &mut Builder<'a>,
     scope: ScopeId,
@@ -281,7 +282,7 @@ fn index_args<'a>(builder: &mut Builder<'a>, scope: ScopeId, callee: &Name, args
     }
 }
 
-/// Resolves the name of an argument.
+/// Records the name of an argument as a reference to a parameter or in-port of the callee `of`.
 fn parameter(builder: &mut Builder<'_>, of: DefId, name: &Ident) {
     let of = shapes::resolve_callable_alias(builder, of);
     let Some(scope) = builder.index.inner_scopes(of).parameters else {
@@ -360,7 +361,8 @@ fn index_branch<'a>(
     }
 }
 
-/// Returns whether definitions of this kind have members of their own, rather than those of their shape.
+/// Returns whether definitions of this kind have members of their own. All others have the members of their type or
+/// value.
 pub(super) fn has_own_members(kind: DefKind) -> bool {
     use DefKind::{Block, Command, State};
     matches!(kind, Block | State | Command)

@@ -9,10 +9,10 @@ use crate::query::build::{Builder, DefId, Expr, ScopeId, ShapeOrigin, Type};
 use crate::query::def::DefKind;
 use rpi_syntax::ast::{Call, ExprKind, TypeKind};
 
-/// Greatest length of a chain of equations that is followed to find the members of a flow.
+/// Maximum length of a chain of definitions that is followed to find the members of a flow.
 const MAX_DEPTH: u32 = 100;
 
-/// For each definition, the syntax from which its members follow, and the definition that has these members once it is
+/// For each definition, the syntax that determines its members, and the definition that has these members once it is
 /// known.
 #[derive(Default)]
 pub(super) struct Shapes<'a> {
@@ -26,14 +26,15 @@ impl<'a> Shapes<'a> {
         self.origins.insert(def, (scope, origin));
     }
 
-    /// Sets the syntax from which the members of a flow follow, unless it is set already: a flow with several
-    /// definitions has the members of the first.
+    /// Sets the syntax that determines the members of a flow, unless it is set already. A flow with several equations
+    /// has the members of the first one.
     pub(super) fn set_if_unset(&mut self, def: DefId, scope: ScopeId, origin: ShapeOrigin<'a>) {
         self.origins.entry(def).or_insert((scope, origin));
     }
 }
 
-/// Returns the definition whose members a definition has, if it is another one.
+/// Returns the definition whose members another definition has, such as the struct type of a flow; `None` if there is
+/// none.
 pub(super) fn index_shape(builder: &mut Builder<'_>, def: DefId) -> Option<DefId> {
     if let Some(known) = builder.shapes.known.get(&def) {
         return *known;
@@ -58,7 +59,7 @@ pub(super) fn index_shape(builder: &mut Builder<'_>, def: DefId) -> Option<DefId
     shape
 }
 
-/// Returns the definition whose members are read as `definition.name`.
+/// Returns the definition whose members are read by `definition.name`; `None` if there are none.
 pub(super) fn owner_of_def(builder: &mut Builder<'_>, def: DefId) -> Option<DefId> {
     let kind = builder.index.def(def).kind;
     // A sensor with several parts has them as members; that of any other port has the members of its type.
@@ -70,7 +71,7 @@ pub(super) fn owner_of_def(builder: &mut Builder<'_>, def: DefId) -> Option<DefI
     }
 }
 
-/// Returns the definition whose members are read as `expression.name`.
+/// Returns the definition whose members are read by `expression.name`; `None` if there are none.
 pub(super) fn owner_of<'a>(
     builder: &mut Builder<'a>,
     scope: ScopeId,
@@ -108,8 +109,8 @@ pub(super) fn owner_of<'a>(
     }
 }
 
-/// Returns the definition with the members of a call's result: that of its only output, or the callee if it has
-/// several. `hold(x, init)` has the members of x.
+/// Returns the definition with the members of a call's result. It is that of the only output, or the callee if there
+/// are several outputs. `hold(x, init)` has the members of `x`.
 fn owner_of_call<'a>(builder: &mut Builder<'a>, scope: ScopeId, call: &'a Call) -> Option<DefId> {
     let Some(callee) = builder.index.lookup(scope, &call.callee.name.name) else {
         return owner_of(builder, scope, &call.args.first()?.value);
@@ -140,12 +141,13 @@ fn shape_of_type<'a>(builder: &mut Builder<'a>, scope: ScopeId, ty: &'a Type) ->
     }
 }
 
-/// Returns the struct or device type behind type aliases.
+/// Returns the struct or device type for which a type name stands, through aliases of types.
 pub(super) fn resolve_type_alias(builder: &mut Builder<'_>, ty: DefId) -> DefId {
     index_shape(builder, ty).unwrap_or(ty)
 }
 
-/// Resolves an alias: for `node f = g<<3>>;` returns g.
+/// Returns the callable for which a definition stands: `g` for the alias `node f = g<<3>>;`, else the definition
+/// itself.
 pub(super) fn resolve_callable_alias(builder: &mut Builder<'_>, def: DefId) -> DefId {
     match builder.index.def(def).kind.is_callable() {
         true => index_shape(builder, def).unwrap_or(def),

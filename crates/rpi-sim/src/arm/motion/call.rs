@@ -8,14 +8,14 @@ use crate::error_code::ErrorCode;
 use rpi_kin::state_to_rest::Bounds;
 use rpi_motion::{Controls, JointState};
 
-/// Number of slots in the result of a motion function besides the joints and the pose: travelled way, progress, speed,
-/// whether the tool is on the path, whether the motion is done, error.
+/// Number of slots in the result of a motion function after the joints and the pose: distance travelled, progress,
+/// speed, whether the arm is on the path, whether the motion is done, error code.
 const STATUS_SLOTS: u32 = 6;
 
-/// Number of slots in the result of a motion function besides the joints: number of the motion, pose, status.
+/// Number of slots in the result of a motion function besides those of the joints: number of the motion, pose, status.
 pub(in crate::arm) const RESULT_SLOTS: u32 = 1 + 7 + STATUS_SLOTS;
 
-/// Arguments of a call of a motion function.
+/// Arguments of a call of a motion function, split into their parts.
 pub(super) struct Request<'a> {
     pub(super) motion: i64,
     pub(super) target: &'a [u64],
@@ -24,7 +24,8 @@ pub(super) struct Request<'a> {
 }
 
 impl<'a> Request<'a> {
-    /// Splits arguments: number of the motion, target, speed, acceleration, jerk, override, pause.
+    /// Splits the arguments, which are in order: number of the motion, target, speed, acceleration, jerk, override,
+    /// pause. `None` if there are too few slots.
     pub(super) fn from_slots(slots: &'a [u64]) -> Option<Self> {
         let (motion, rest) = slots.split_first()?;
         let (target, rest) = rest.split_last_chunk::<5>()?;
@@ -45,7 +46,7 @@ impl<'a> Request<'a> {
     }
 }
 
-/// Writes the result of a call of a motion function that gives no set-point.
+/// Writes the result of a call of a motion function that computes no set-point: joints and pose are NaN.
 pub(super) fn put_error(number: i64, axes: usize, error: ErrorCode, out: &mut SlotWriter<'_>) {
     out.put_bits(number.cast_unsigned());
     out.put_reals(core::iter::repeat_n(f64::NAN, axes + 7));
@@ -56,7 +57,8 @@ pub(super) fn put_error(number: i64, axes: usize, error: ErrorCode, out: &mut Sl
 }
 
 impl Arm {
-    /// Calls the function that makes a motion of this kind. Returns false if the arguments do not fit.
+    /// Calls the motion function for motions of this kind and writes its result to `out`. Returns false if there are
+    /// too few arguments.
     pub(in crate::arm) fn call_motion(
         &mut self,
         kind: MotionKind,
@@ -93,8 +95,8 @@ impl Arm {
         let followed = self.motion.period == period
             && self.motion.is_due(self.time)
             && same_joints(&differences.position, &self.motion.last[0]);
-        let exact = self.motion.axes.state().filter(|_| followed);
-        let state = exact.unwrap_or(differences);
+        let state = self.motion.state(followed, &differences.position);
+        let state = state.unwrap_or(differences);
         self.motion.period = period;
         if let Err(PathFault { axis, violation }) = self
             .motion
@@ -104,7 +106,7 @@ impl Arm {
         }
     }
 
-    /// Computes the next set-point and writes the result of the call.
+    /// Computes the next set-point of the present motion and writes the result of the call to `out`.
     fn put_motion(&mut self, request: &Request<'_>, out: &mut SlotWriter<'_>) {
         let number = self.motion.number;
         self.motion.computed = self.time;

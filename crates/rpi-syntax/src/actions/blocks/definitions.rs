@@ -5,20 +5,21 @@ use crate::ast::*;
 use rpi_diag::Span;
 use std::collections::{BTreeMap, BTreeSet};
 
-/// Definitions of a block, by the source text of their left sides (the keys), in text order.
+/// Definitions in one block of equations (Kind 2), stored by the source text of their left sides. That text is the key
+/// of a definition.
 #[derive(Default)]
 pub(super) struct Definitions {
-    /// Keys in text order.
+    /// Keys in text order. May contain keys of removed definitions.
     pub(super) key_order: Vec<String>,
-    /// Equation of each key. A key names the target of the equation.
+    /// Definition whose left side has the source text that is the key.
     pub(super) by_key: BTreeMap<String, Definition>,
-    /// Index of each key in `order`.
+    /// For each key, its index in `key_order`.
     pub(super) positions: BTreeMap<String, usize>,
     /// Keys of the definitions of each flow. May contain keys of removed definitions.
     pub(super) keys_by_flow: BTreeMap<Name, Vec<String>>,
 }
 
-/// Equation that defines one key of a block after desugaring, with its left side.
+/// Equation of a block after desugaring: the targets on its left side, its value and its source range.
 #[derive(Clone)]
 pub(super) struct Definition {
     pub(super) targets: Vec<Target>,
@@ -27,7 +28,7 @@ pub(super) struct Definition {
 }
 
 impl Definitions {
-    /// Inserts a definition, as the last one if its key is new.
+    /// Inserts a definition. A new key becomes the last one in `key_order`; a definition with the same key is replaced.
     pub(super) fn insert(&mut self, key: String, definition: Definition) {
         if !self.positions.contains_key(&key) {
             self.positions.insert(key.clone(), self.key_order.len());
@@ -36,7 +37,7 @@ impl Definitions {
         self.insert_unordered(key, definition);
     }
 
-    /// Inserts a definition without a position in the order.
+    /// Inserts a definition without adding its key to `key_order`.
     pub(super) fn insert_unordered(&mut self, key: String, definition: Definition) {
         for target in &definition.targets {
             let sides = self
@@ -48,13 +49,14 @@ impl Definitions {
         self.by_key.insert(key, definition);
     }
 
-    /// Returns the definitions with a flow in their left side.
+    /// Returns the definitions with the flow `name`, or a part of it, on their left side.
     pub(super) fn defining(&self, name: &Name) -> impl Iterator<Item = &Definition> {
         let sides = self.keys_by_flow.get(name).into_iter().flatten();
         sides.filter_map(|key| self.by_key.get(key))
     }
 
-    /// Returns the value of targets that are defined together or one by one.
+    /// Returns the value of several targets: of one definition with exactly these targets, else the tuple of their
+    /// separate definitions. `None` if any target is undefined.
     pub(super) fn value_of(&self, targets: &[Target]) -> Option<Expr> {
         let written = |target: &Target| self.definition_of(target);
         if let [one] = targets {
@@ -77,16 +79,17 @@ impl Definitions {
         Some(Expr { kind, span })
     }
 
-    /// Returns the definition of one target alone.
+    /// Returns the definition whose only target is `target`; `None` if no definition has it as its only target.
     pub(super) fn definition_of(&self, target: &Target) -> Option<&Definition> {
         let alone =
             |d: &&Definition| matches!(&d.targets[..], [one] if is_same_target(one, target));
         self.defining(&target.name.name).find(alone)
     }
 
-    /// Removes the single definitions of targets that no definition groups, and returns their values as one.
+    /// Removes the definitions that have one of `targets` as their only target, and returns their values: the value
+    /// itself for one target, else a tuple.
     ///
-    /// A target without a definition keeps its previous value.
+    /// A target without such a definition contributes its value in the previous cycle (`last x`).
     pub(super) fn take_values(&mut self, targets: &[Target]) -> Expr {
         let mut values = Vec::with_capacity(targets.len());
         for target in targets {
@@ -110,7 +113,7 @@ impl Definitions {
         }
     }
 
-    /// Returns the flows that are defined together with others in one definition.
+    /// Returns the names of the flows on left sides with several targets: `x, y = ...`.
     pub(super) fn grouped_flows(&self) -> BTreeSet<String> {
         let groups = self.by_key.values().filter(|d| d.targets.len() > 1);
         let targets = groups.flat_map(|d| &d.targets);
@@ -118,7 +121,7 @@ impl Definitions {
     }
 }
 
-/// Returns whether two targets are the same flow or the same part of a flow.
+/// Returns whether two left sides denote the same flow, or the same field or element of a flow.
 fn is_same_target(a: &Target, b: &Target) -> bool {
     let step = |(a, b): (&Access, &Access)| match (a, b) {
         (Access::Field(a), Access::Field(b)) => a.name == b.name,

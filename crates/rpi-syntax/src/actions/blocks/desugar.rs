@@ -8,10 +8,11 @@ use crate::ops::{BinaryOp, UnaryOp};
 use rpi_diag::Span;
 use std::collections::BTreeSet;
 
-/// State of desugaring one block of conditional equations or `frame` block.
+/// State of the translation of one conditional block or `frame` block (Kind 2) to equations.
 pub(super) struct Desugarer<'c, 't> {
     cx: &'c ParseContext<'t>,
-    /// Flows of a `frame`, which keep their previous values where no branch defines them.
+    /// Flows that a `frame` block lists. They have their previous values where no branch defines them. Empty for a
+    /// conditional block.
     kept_flows: BTreeSet<&'c Name>,
     errors: Vec<BlockError>,
 }
@@ -45,9 +46,10 @@ impl<'c, 't> Desugarer<'c, 't> {
         }
     }
 
-    /// Desugars a `frame` block.
+    /// Translates a `frame` block to equations.
     ///
-    /// The equations before `let` give the values before the first cycle, for undefined flows and for `last`.
+    /// The equations before `let` give the initial values. They replace `last x` in the first cycle, also for flows
+    /// that the block does not define.
     pub(super) fn desugar_frame(mut self, keep: &FrameBlock) -> Desugared {
         let mut initial = self.statements(&keep.initial);
         let mut defined = self.statements(&keep.statements);
@@ -139,16 +141,17 @@ impl<'c, 't> Desugarer<'c, 't> {
         }
     }
 
-    /// Combines the definitions of all branches into conditional expressions.
+    /// Combines the definitions in all branches of a conditional block: each left side gets one definition with a
+    /// conditional expression.
     fn choice(&mut self, choice: &ConditionalBlock) -> Definitions {
-        let mut parts: Vec<(Option<&Expr>, Definitions, Span)> = Vec::new();
+        let mut parts: Vec<(Option<&Expr>, Definitions, MissingBranch)> = Vec::new();
         for branch in &choice.branches {
             let defined = self.statements(&branch.statements);
-            parts.push((Some(&branch.condition), defined, branch.condition.span));
+            let place = MissingBranch::Condition(branch.condition.span);
+            parts.push((Some(&branch.condition), defined, place));
         }
         let last = self.statements(choice.else_statements.as_deref().unwrap_or_default());
-        let whole = choice.branches[0].condition.span;
-        parts.push((None, last, whole));
+        parts.push((None, last, else_branch(choice)));
         let in_groups = parts
             .iter()
             .flat_map(|(_, defined, _)| defined.grouped_flows());
@@ -164,11 +167,12 @@ impl<'c, 't> Desugarer<'c, 't> {
         joined
     }
 
-    /// Returns the definition of one key as a conditional expression over all branches.
+    /// Returns the definition of the left side with this key: a conditional expression over the branches. `parts` holds
+    /// condition (`None` for `else`), definitions and source range of each branch. `None` if no branch has the key.
     fn join_branches(
         &mut self,
         key: &str,
-        parts: &[(Option<&Expr>, Definitions, Span)],
+        parts: &[(Option<&Expr>, Definitions, MissingBranch)],
     ) -> Option<Definition> {
         let model = parts
             .iter()
@@ -188,8 +192,14 @@ impl<'c, 't> Desugarer<'c, 't> {
         })
     }
 
-    /// Returns the value that targets have in one branch: the defined one, else the previous one.
-    fn value_in(&mut self, defined: &Definitions, targets: &[Target], place: Span) -> Expr {
+    /// Returns the value of the targets in one branch: the defined value, else the value in the previous cycle. `place`
+    /// is the source range of the branch.
+    fn value_in(
+        &mut self,
+        defined: &Definitions,
+        targets: &[Target],
+        place: MissingBranch,
+    ) -> Expr {
         if let Some(value) = defined.value_of(targets) {
             return value;
         }
@@ -206,11 +216,13 @@ impl<'c, 't> Desugarer<'c, 't> {
                 None => self.previous_or_report(std::slice::from_ref(target), place),
             });
         let kind = ExprKind::Tuple(values.collect());
-        Expr { kind, span: place }
+        let span = place.span();
+        Expr { kind, span }
     }
 
-    /// Returns the previous value of targets that a branch does not define, or reports them if they are not kept.
-    fn previous_or_report(&mut self, targets: &[Target], place: Span) -> Expr {
+    /// Returns the value in the previous cycle for targets that a branch does not define. If they are not flows of a
+    /// `frame`, reports a missing definition at `place` and returns a placeholder.
+    fn previous_or_report(&mut self, targets: &[Target], place: MissingBranch) -> Expr {
         let is_kept = |target: &Target| self.kept_flows.contains(&target.name.name);
         if targets.iter().all(is_kept) {
             return match targets {
@@ -222,19 +234,33 @@ impl<'c, 't> Desugarer<'c, 't> {
             self.errors
                 .push(BlockError::MissingDefinition(target.name.clone(), place));
         }
-        let (kind, span) = (ExprKind::Bool(false), place);
+        let (kind, span) = (ExprKind::Bool(false), place.span());
         Expr { kind, span }
     }
 }
 
-/// Returns the tuple of the values of several targets.
+/// Returns the place of the `else` of a block: its first statement, or the last condition if there is no `else`.
+fn else_branch(choice: &ConditionalBlock) -> MissingBranch {
+    let last = choice
+        .branches
+        .last()
+        .map_or(Span::NONE, |branch| branch.condition.span);
+    match choice.else_statements.as_deref() {
+        Some(statements) => {
+            MissingBranch::Else(statements.first().map_or(last, |statement| statement.span))
+        }
+        None => MissingBranch::NoElse(last),
+    }
+}
+
+/// Returns the tuple expression of `values`, with the source range of the first target.
 pub(super) fn tuple_of(targets: &[Target], values: Vec<Expr>) -> Expr {
     let span = targets.first().map_or(Span::NONE, |target| target.span);
     let kind = ExprKind::Tuple(values.into());
     Expr { kind, span }
 }
 
-/// Returns `last x`, the value of a target in the previous cycle.
+/// Returns the expression `last x`, the value of a target in the previous cycle.
 pub(super) fn previous_value(target: &Target) -> Expr {
     let span = target.span;
     let mut expr = Expr {
@@ -257,7 +283,7 @@ pub(super) fn previous_value(target: &Target) -> Expr {
     Expr { kind, span }
 }
 
-/// Returns `if condition then yes else no`.
+/// Returns the syntax tree of `if condition then yes else no`.
 fn if_expr(condition: Expr, yes: Expr, no: Expr) -> Expr {
     let span = yes.span;
     let kind = ExprKind::If(Box::new(IfExpr {
@@ -269,7 +295,7 @@ fn if_expr(condition: Expr, yes: Expr, no: Expr) -> Expr {
     Expr { kind, span }
 }
 
-/// Returns the syntax tree of `lhs -> rhs` with the span of both.
+/// Returns the syntax tree of `lhs -> rhs`, with the source range of `lhs`.
 pub(super) fn arrow_expr(lhs: Expr, rhs: Expr) -> Expr {
     let span = lhs.span;
     let (op, op_span) = (BinaryOp::Arrow, lhs.span);
@@ -282,7 +308,7 @@ pub(super) fn arrow_expr(lhs: Expr, rhs: Expr) -> Expr {
     Expr { kind, span }
 }
 
-/// Returns a description of a statement that is not an equation, for messages.
+/// Returns a noun phrase for a statement that is not an equation, such as "a call", for diagnostics.
 fn statement_description(kind: &StatementKind) -> &'static str {
     match kind {
         StatementKind::Claim(_) => "a claim",

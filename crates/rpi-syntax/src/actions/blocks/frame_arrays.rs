@@ -4,10 +4,10 @@ use super::definitions::{Definition, Definitions};
 use crate::ast::*;
 use crate::context::ParseContext;
 
-/// Form of the left side of a definition.
+/// Form of the left side of a definition in a `frame` block.
 #[derive(Clone, Copy, PartialEq)]
 enum TargetForm {
-    /// Whole flow: `A = e`.
+    /// The definition is of the whole flow: `A = e`.
     Whole,
     /// Element with the given number of indices: `A[i][j] = e`.
     Elements(usize),
@@ -15,7 +15,8 @@ enum TargetForm {
     Other,
 }
 
-/// Rewrites both halves of a `frame` so that each array has the same left side, with the same index names.
+/// Rewrites the initial values (`initial`) and the equations (`defined`) of a `frame` block so that both define an
+/// array with the same left side, `A` or `A[i]`, and the same index names.
 pub(super) fn unify_array_targets(
     cx: &ParseContext<'_>,
     initial: &mut Definitions,
@@ -42,7 +43,7 @@ pub(super) fn unify_array_targets(
     }
 }
 
-/// Returns the source text of a left side, which is its key.
+/// Returns the source text of a target, which is the key of its definition.
 pub(super) fn target_text(cx: &ParseContext<'_>, target: &Target) -> String {
     cx.slice(target.span.start, target.span.end).to_owned()
 }
@@ -60,7 +61,8 @@ impl Definitions {
     }
 }
 
-/// Rewrites two definitions of an array so that both have the same left side. Returns `None` for other left sides.
+/// Rewrites two definitions of one array so that both have the same left side. Returns `None` if a left side is neither
+/// the whole array nor an element, or if the numbers of indices differ.
 fn with_same_target(
     cx: &ParseContext<'_>,
     first: Definition,
@@ -79,7 +81,7 @@ fn with_same_target(
     }
 }
 
-/// Returns the form of a definition's left side.
+/// Returns the form of the left side of a definition.
 fn form(definition: &Definition) -> TargetForm {
     let [target] = &definition.targets[..] else {
         return TargetForm::Other;
@@ -91,7 +93,7 @@ fn form(definition: &Definition) -> TargetForm {
     }
 }
 
-/// Returns the name of an index that is a plain name.
+/// Returns the name in an index step such as `[i]`; `None` if the step is a field, a slice or an index of another form.
 fn index_name(step: &Access) -> Option<&Name> {
     match step {
         Access::Index(index) => index.as_name(),
@@ -99,9 +101,10 @@ fn index_name(step: &Access) -> Option<&Name> {
     }
 }
 
-/// Rewrites the definition of a whole array by element, with the left side of `model`. Returns it and `model`.
+/// Rewrites the definition of a whole array, `A = e`, to the elementwise form of `model`, `A[i] = e[i]`. Returns the
+/// new definition and `model`.
 ///
-/// Index names of `model` are renamed where they would capture a name of the array's value.
+/// An index name of `model` that also occurs in `e` is renamed in both definitions.
 fn elementwise(
     cx: &ParseContext<'_>,
     whole: &Definition,
@@ -137,9 +140,10 @@ fn elementwise(
     (element, model)
 }
 
-/// Rewrites two definitions by element to the same index names and the left side of the second.
+/// Rewrites two elementwise definitions, such as `A[i] = e` and `A[j] = f`, so that both have the left side of the
+/// second.
 ///
-/// Index names are chosen so that they do not capture other names of either value.
+/// The new index names differ from all other names in both values.
 fn unify_indices(
     cx: &ParseContext<'_>,
     mut first: Definition,
@@ -175,7 +179,8 @@ fn mentions(expr: &Expr, name: &Name) -> bool {
         || expr.children().into_iter().any(|part| mentions(part, name))
 }
 
-/// Renames an index in an expression, except where a quantifier or `match` arm declares the same name.
+/// Renames the index `from` to `to` in an expression, except where a quantifier or a `match` arm declares the name
+/// `from` itself.
 fn rename(expr: &mut Expr, from: &Name, to: &Name) {
     match &mut expr.kind {
         ExprKind::Name(name) if name == from => name.clone_from(to),
@@ -201,7 +206,8 @@ fn declares(vars: &[VarDecl], name: &Name) -> bool {
     names.any(|declared| declared.name == *name)
 }
 
-/// Returns the flow that an expression denotes, or whose element or field it denotes.
+/// Returns the name of the flow in an expression that is a flow, or an element or field of one; `None` for other
+/// expressions.
 pub(super) fn base_flow(expr: &Expr) -> Option<&Name> {
     let mut base = expr.unparen();
     loop {

@@ -11,9 +11,11 @@ use crate::ops::UnaryOp;
 use rpi_diag::Span;
 use std::collections::BTreeSet;
 
-/// Replaces each `last x` of the frame's flows by `first -> pre x`, or by `pre x` without an initial value.
+/// Replaces each `last x` of a flow in `names` by `i -> pre x`, where `i` is the initial value of `x`. Without an
+/// initial value, the replacement is `pre x`.
 ///
-/// An initial value of several flows from one call cannot be split. Then the whole definition begins with that call.
+/// If one call gives the initial values of several flows, the tuple cannot be split. The whole definition then begins
+/// with that call.
 pub(super) fn insert_initial_values(
     definition: &mut Definition,
     initial: &Definitions,
@@ -75,7 +77,8 @@ fn push_index(expr: &mut Expr) {
     };
 }
 
-/// Returns the initial value of a flow, or of a part of a flow.
+/// Returns the initial value of the flow, or part of a flow, that the expression `place` denotes; `None` if it has
+/// none.
 fn initial_value(place: &Expr, initial: &Definitions) -> Option<Expr> {
     let name = base_flow(place)?;
     let alone = |d: &&Definition| matches!(&d.targets[..], [one] if denotes_target(one, place));
@@ -99,7 +102,8 @@ fn initial_value(place: &Expr, initial: &Definitions) -> Option<Expr> {
         })
 }
 
-/// Returns the initial value of a flow from a definition of several flows: `x, y = (1, 2)`.
+/// Returns the initial value of the flow `place` from a definition of several flows by a tuple, such as
+/// `x, y = (1, 2)`; `None` if there is no such definition.
 fn initial_value_in_group(place: &Expr, initial: &Definitions) -> Option<Expr> {
     let mut groups = initial.defining(base_flow(place)?);
     groups.find_map(|d| {
@@ -114,13 +118,13 @@ fn initial_value_in_group(place: &Expr, initial: &Definitions) -> Option<Expr> {
     })
 }
 
-/// Replaces an expression `x` by `first -> x`.
+/// Replaces the expression `expr` by `first -> expr`.
 fn begin_with(expr: &mut Expr, first: Expr) {
     let then = std::mem::replace(expr, placeholder());
     *expr = arrow_expr(first, then);
 }
 
-/// Returns whether an expression denotes the same flow, or part of a flow, as a target.
+/// Returns whether the expression `place` denotes the target of an equation or a part of that target.
 fn denotes_target(target: &Target, place: &Expr) -> bool {
     let mut place = place.unparen();
     for access in target.path.iter().rev() {
@@ -139,7 +143,8 @@ fn denotes_target(target: &Target, place: &Expr) -> bool {
     place.as_name() == Some(&target.name.name)
 }
 
-/// Returns the common initial value of all flows in a tuple `(last x, last y)`, whose `last` has become `pre`.
+/// Returns the initial value of a tuple `(pre x, pre y)` if one equation defines the initial values of exactly these
+/// flows; `None` otherwise. `part` is the tuple.
 fn common_initial_value(part: &Expr, initial: &Definitions) -> Option<Expr> {
     let ExprKind::Tuple(values) = &part.kind else {
         return None;
@@ -158,7 +163,7 @@ fn common_initial_value(part: &Expr, initial: &Definitions) -> Option<Expr> {
     found.map(|d| d.value.clone())
 }
 
-/// Returns an expression without meaning, which stands in while `mem::replace` moves another one.
+/// Returns a dummy expression that fills a place in the tree while its contents are moved.
 fn placeholder() -> Expr {
     Expr {
         kind: ExprKind::Bool(false),

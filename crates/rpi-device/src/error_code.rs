@@ -2,39 +2,39 @@
 
 use core::fmt;
 
-/// An error code of a device, as carried by the ports `joint.error`, `tcp.error`, `base.error` and `code`.
+/// Error code of a device, as its ports `joint.error`, `tcp.error`, `base.error` and `code` carry it.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub struct ErrorCode(pub i64);
 
-/// A row of the table of error codes.
+/// Row of the table of error codes: number, name and explanation.
 #[derive(Clone, Copy, Debug)]
 pub struct ErrorCodeInfo {
-    /// Number by which ports and programs see the error.
+    /// Number of the error, as ports and programs see it.
     pub code: ErrorCode,
-    /// Short name of the code for display.
+    /// Short name of the error for display, such as `out-of-reach`.
     pub name: &'static str,
-    /// Explanation of the code.
+    /// Explanation of the error in one sentence, for users.
     pub description: &'static str,
 }
 
 impl ErrorCode {
-    /// No error.
+    /// Code 0: the device has no error.
     pub const OK: Self = Self(0);
     /// The set-point is NaN or infinite.
     pub const NOT_A_NUMBER: Self = Self(1);
     /// The set-point is outside the joint's range.
     pub const POSITION: Self = Self(2);
-    /// The velocity limit is violated.
+    /// The step from the previous set-point exceeds the velocity limit of a joint or of the device.
     pub const VELOCITY: Self = Self(3);
-    /// The acceleration limit is violated.
+    /// The change of the velocity between set-points exceeds the acceleration limit.
     pub const ACCELERATION: Self = Self(4);
-    /// The jerk limit is violated.
+    /// The change of the acceleration between set-points exceeds the jerk limit.
     pub const JERK: Self = Self(5);
-    /// The first set-point is too far from the present position.
+    /// The first set-point of a command is too far from the present position of the arm.
     pub const DISCONTINUITY: Self = Self(6);
-    /// The pose is out of reach.
+    /// The pose of the set-point is farther away, or nearer, than the arm can reach.
     pub const OUT_OF_REACH: Self = Self(7);
-    /// The pose requires a joint outside its range.
+    /// The pose of the set-point requires a joint outside its range.
     pub const JOINTS_OUT_OF_RANGE: Self = Self(8);
     /// Code 9: a joint of the arm has failed; it rejects all set-points and the arm brakes.
     pub const JOINT_FAILED: Self = Self(9);
@@ -42,9 +42,9 @@ impl ErrorCode {
     pub const SET_POINT_MISSING: Self = Self(10);
     /// The emergency stop is active.
     pub const EMERGENCY_STOP: Self = Self(11);
-    /// The arm does not support a tool parameter or a control strategy.
+    /// The arm does not support a tool parameter or a control strategy of the set-point.
     pub const INVALID_PARAMETER: Self = Self(12);
-    /// The base cannot drive in the direction of this velocity.
+    /// The mobile base cannot drive in the direction of the commanded velocity.
     pub const NOT_DRIVABLE: Self = Self(13);
 
     /// The whole arm brakes because another joint was stopped or received no set-point.
@@ -52,40 +52,48 @@ impl ErrorCode {
 
     /// The path of a motion leaves the reach of the arm.
     pub const PATH_OUT_OF_REACH: Self = Self(15);
-    /// The path of a motion needs an axis outside its range.
+    /// The path of a motion needs an axis position outside the range of the axis.
     pub const PATH_OUT_OF_RANGE: Self = Self(16);
     /// The arm would have to change its configuration on the path of a motion.
     pub const PATH_CONFIGURATION: Self = Self(17);
     /// The path of a motion comes too near to a singularity.
     pub const PATH_SINGULAR: Self = Self(18);
-    /// The three points of an arc lie on a line.
+    /// The points of an arc (start, via point or centre, end) lie on a line or coincide, so that they determine no
+    /// circle.
     pub const COLINEAR: Self = Self(19);
-    /// A bound of a motion is not positive.
+    /// The speed, acceleration or jerk of a motion is not positive.
     pub const NOT_POSITIVE: Self = Self(20);
-    /// No inverse kinematics is known for the arm.
+    /// The motion is along a path of the tool, but no inverse kinematics is known for the arm.
     pub const NO_INVERSE: Self = Self(21);
-    /// The motion is not the arm's present one.
+    /// A set-point belongs to a motion that another motion of the arm has replaced.
     pub const SUPERSEDED: Self = Self(22);
-    /// There is no corner at the via pose of a motion.
+    /// No rounded corner fits at the via pose of a motion: the zone is not positive, the path turns back, or the tool
+    /// turns too far beside it.
     pub const NO_CORNER: Self = Self(23);
-    /// Start and end of an arc are not equally far from its centre.
+    /// Start and end of an arc differ in their distance from its centre by more than 1 mm.
     pub const UNEQUAL_RADII: Self = Self(24);
-    /// The angle of an arc is 0.
+    /// The angle of an arc is 0 or not finite.
     pub const NO_ANGLE: Self = Self(25);
-    /// An arc starts on its axis, or the axis has no direction.
+    /// An arc starts on its axis of rotation, or the axis has no direction.
     pub const ON_AXIS: Self = Self(26);
-    /// A path has more points than the arm can plan.
+    /// The path of a motion has more than 16 points.
     pub const TOO_MANY_POINTS: Self = Self(27);
-    /// Two successive points of a spline are the same.
+    /// Two successive points of a spline coincide.
     pub const SAME_POINT: Self = Self(28);
     /// A spline turns back so sharply that the tool would have to stop.
     pub const REVERSAL: Self = Self(29);
-    /// The tool turns too far between two points of a spline.
+    /// The tool turns by more than 4 rad per metre between two points of a spline.
     pub const TURNING_DECIDES: Self = Self(30);
-    /// An axis has come to the end of its range.
+    /// An axis has reached the end of its range and stopped there.
     pub const RANGE_END: Self = Self(31);
 
-    /// True for a code whose report carries a place on the path of the tool and the length of the path, in m.
+    /// The controller of the device does not answer. The device brakes by its own watchdog.
+    pub const CONNECTION_LOST: Self = Self(32);
+    /// The controller of the device has stopped by itself, because of missing set-points or another cause.
+    pub const CONTROLLER_STOPPED: Self = Self(33);
+
+    /// True for a code whose report carries a place on the path of the tool, as `value`, and the length of the path, as
+    /// `limit`, both in m.
     #[must_use]
     pub const fn is_on_path(self) -> bool {
         matches!(
@@ -98,13 +106,19 @@ impl ErrorCode {
         )
     }
 
-    /// True for a failure of the device itself, independent of the set-point.
+    /// True for a failure of the device itself: no set-point can avoid it.
     #[must_use]
     pub const fn is_failure(self) -> bool {
-        matches!(self, Self::JOINT_FAILED | Self::EMERGENCY_STOP)
+        matches!(
+            self,
+            Self::JOINT_FAILED
+                | Self::EMERGENCY_STOP
+                | Self::CONNECTION_LOST
+                | Self::CONTROLLER_STOPPED
+        )
     }
 
-    /// The table row of the code.
+    /// Returns the row of the table of error codes for this code; `None` if the table has no such code.
     #[must_use]
     pub fn info(self) -> Option<&'static ErrorCodeInfo> {
         ERROR_CODES.iter().find(|line| line.code == self)
@@ -125,7 +139,7 @@ const fn line(code: ErrorCode, word: &'static str, meaning: &'static str) -> Err
     }
 }
 
-/// All codes, in ascending order.
+/// Table of all error codes, in ascending order of their numbers.
 pub const ERROR_CODES: &[ErrorCodeInfo] = &[
     line(ErrorCode::OK, "ok", "the device is well"),
     line(
@@ -278,5 +292,15 @@ pub const ERROR_CODES: &[ErrorCodeInfo] = &[
         ErrorCode::RANGE_END,
         "range-end",
         "an axis has come to the end of its range and stopped there; move it back",
+    ),
+    line(
+        ErrorCode::CONNECTION_LOST,
+        "connection-lost",
+        "the controller of the device does not answer; it brakes by its own watchdog",
+    ),
+    line(
+        ErrorCode::CONTROLLER_STOPPED,
+        "controller-stopped",
+        "the controller of the device has stopped by itself, because set-points were missing or for a reason of its own",
     ),
 ];
