@@ -2,7 +2,7 @@
 
 use crate::Joints;
 use rpi_kin::angle::nearest_turn;
-use rpi_kin::{ArmModel, AxisLimits, InverseKinematicsError, MAX_AXES, Pose};
+use rpi_kin::{ArmModel, AxisLimits, InverseKinematicsError, MAX_AXES, Pose, Range};
 
 /// Model of an arm with the tool that it holds and the limits of its axes.
 #[derive(Clone, Copy, Debug)]
@@ -117,7 +117,31 @@ impl Arm {
         self.model
             .inverse_at_arm_angle(&flange, hint, arm_angle, self.limits())
     }
+
+    /// Returns the first axis (from 0) that a pose of the tool in the base frame puts outside of its range, in the
+    /// configuration nearest to `hint` (rad) with the arm angle `arm_angle` (rad). `None` if there is none, or if the
+    /// pose is out of reach.
+    pub(crate) fn axis_out_of_range(
+        &self,
+        tool: &Pose,
+        hint: &Joints,
+        arm_angle: f64,
+    ) -> Option<usize> {
+        let mut free = self.limits;
+        for limits in &mut free {
+            limits.position = Range::symmetric(UNLIMITED);
+        }
+        let (flange, axes) = (tool * self.tool_inverse, self.axes());
+        let found =
+            self.model
+                .inverse_at_arm_angle(&flange, &hint[..axes], arm_angle, &free[..axes]);
+        let (joints, _) = found.ok()?;
+        (0..axes).find(|axis| !self.limits[*axis].position.contains(joints[*axis]))
+    }
 }
+
+/// Half of a range so wide that it does not limit an axis, rad.
+const UNLIMITED: f64 = 4.0 * core::f64::consts::PI;
 
 /// Maximum difference of axis 3 from its intended value that counts as rounding where the upper arm is nearly upright,
 /// rad. There, small errors of the pose change axis 3 a lot.

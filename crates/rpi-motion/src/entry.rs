@@ -4,7 +4,7 @@ use crate::node::{MostAllowed, Node, USED_JERK_SHARE, USED_SHARE};
 use crate::plan::{Demand, allowed};
 use crate::residual::Residual;
 use crate::time_law::{HeldBrake, PathState};
-use crate::verify::{SAMPLES_PER_CYCLE, Verifier};
+use crate::verify::Verifier;
 use crate::{Arm, JointState};
 use rpi_kin::state_to_rest::{AxisState, Bounds};
 use rpi_kin::{MAX_AXES, Range};
@@ -117,7 +117,7 @@ pub(crate) fn attempted(
     };
     let reach = (start.velocity * start.velocity).min(0.1) + 0.005;
     let most = allowed(table, 0.0, reach, demand);
-    let mut samples = SAMPLES_PER_CYCLE;
+    let mut samples = demand.samples;
     for (number, share) in BRAKE_SHARES.into_iter().enumerate() {
         let brake = HeldBrake::stopping(start, time, most.acceleration * share, most.jerk * share)?;
         if verifier.accepts(&brake, &mut samples) {

@@ -4,7 +4,7 @@ use crate::arm_angle::ArmAngle;
 use crate::path::Path;
 use crate::path_error::{PathError, PathErrorKind};
 use crate::{Arm, Joints};
-use rpi_kin::Pose;
+use rpi_kin::{InverseKinematicsError, Pose};
 
 /// Difference of an axis from its hint, rad, above which the arm has changed its configuration.
 const CONFIGURATION_STEP: f64 = 0.1;
@@ -75,10 +75,9 @@ impl JointPath {
         let is_joint_line = matches!(self.path, Path::Joints(_));
         let jump = |axis: &usize| (joints[*axis] - hint[*axis]).abs() > CONFIGURATION_STEP;
         match (0..arm.axes()).find(jump) {
-            Some(axis) if !is_joint_line => Err(PathError {
-                s,
-                kind: PathErrorKind::ConfigurationChange { axis },
-            }),
+            Some(axis) if !is_joint_line => {
+                Err(self.error_at(s, PathErrorKind::ConfigurationChange { axis }))
+            }
             _ => Ok(joints),
         }
     }
@@ -99,10 +98,25 @@ impl JointPath {
             Some(third) => arm.inverse_with_third_axis(&pose, hint, angle, third),
             None => arm.inverse(&pose, hint, angle),
         };
-        found.map(|(joints, _)| joints).map_err(|error| PathError {
-            s,
-            kind: PathErrorKind::NoInverse(error),
+        found.map(|(joints, _)| joints).map_err(|error| {
+            let axis = match error {
+                InverseKinematicsError::OutOfLimits => arm.axis_out_of_range(&pose, hint, angle),
+                _ => None,
+            };
+            let kind = axis.map_or(PathErrorKind::NoInverse(error), |axis| {
+                PathErrorKind::OutOfRange { axis }
+            });
+            self.error_at(s, kind)
         })
+    }
+
+    /// Creates the error `kind` at the position `s` along the path. Places shortly before the start and behind the end,
+    /// which are computed for derivatives, count as the start and the end.
+    pub(crate) fn error_at(&self, s: f64, kind: PathErrorKind) -> PathError {
+        PathError {
+            s: s.clamp(0.0, self.path.length()),
+            kind,
+        }
     }
 
     /// Returns the joint positions (rad), near to `hint`, for the pose `pose` of the tool beside the path at the

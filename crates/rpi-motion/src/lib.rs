@@ -13,7 +13,7 @@
 //! was not verified. To pause or to cancel means to make no new plan.
 //!
 //! [`MotionCore`] allocates when it is created. Afterwards nothing allocates or panics, and the work of each cycle is
-//! counted and bounded ([`MotionCore::NODES_PER_CYCLE`], [`MotionCore::SAMPLES_PER_CYCLE`]).
+//! counted and bounded ([`WorkBudget`]).
 //!
 //! Sources: Lange and Suppa, Trajectory generation for immediate path-accurate jerk-limited stopping of industrial
 //! robots, ICRA 2015; Biagiotti and Melchiorri, Trajectory Planning for Automatic Machines and Robots, 2008; Pham and
@@ -48,6 +48,7 @@ mod tool_residual;
 mod tool_trace;
 pub mod verify;
 mod window;
+pub mod work_budget;
 
 pub use arm::{Arm, JointState};
 pub use check::{PathReport, check_path, scan_path};
@@ -58,6 +59,7 @@ pub use path_error::{PathError, PathErrorKind};
 pub use path_start::path_start;
 pub use set_point::{Controls, EntryPreference, MotionError, SetPoint};
 pub use speed_limit::{SpeedBound, SpeedLimit};
+pub use work_budget::WorkBudget;
 
 /// Values of all axes, such as positions in rad (m for a prismatic joint); entries beyond the axes of the arm are 0.
 pub type Joints = [f64; rpi_kin::MAX_AXES];

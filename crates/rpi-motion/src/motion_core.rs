@@ -13,7 +13,8 @@ use crate::set_point::{Controls, EntryPreference, MotionError, SetPoint};
 use crate::speed_limit::{SpeedLimit, slower};
 use crate::time_law::{HeldBrake, PathState, REPLAN_PERIOD};
 use crate::tool_trace::ToolTrace;
-use crate::verify::{SAMPLES_PER_CYCLE, Verifier, allowed_ranges};
+use crate::verify::{Verifier, allowed_ranges, extend_ranges};
+use crate::work_budget::WorkBudget;
 use crate::{Arm, JointState, Joints};
 use rpi_kin::state_to_rest::Bounds;
 use rpi_kin::{MAX_AXES, Range};
@@ -37,6 +38,7 @@ pub struct MotionCore {
     /// more.
     attempt: usize,
     preference: EntryPreference,
+    work: WorkBudget,
     /// Takeover within the bounds of the tool that is prepared while the arm follows its previous motion; `None`
     /// without one.
     approach: Option<Approach>,
@@ -47,9 +49,6 @@ pub struct MotionCore {
 /// and its previous motion.
 const NODES: usize = 4096;
 
-/// Number of nodes (places of the path with derivatives) computed in a cycle that does other work, too.
-const NODES_ON_PATH: usize = 16;
-
 /// Cycle of a motion, counted from its start, from which a faster takeover on to the path is planned:
 /// by then enough places of the path have been computed.
 const ENTRY_CYCLE: u64 = 4;
@@ -59,12 +58,6 @@ const ENTRY_CYCLE: u64 = 4;
 const SHARE_WITH_RESIDUAL: f64 = 1.0;
 
 impl MotionCore {
-    /// Maximum number of nodes (places of the path with derivatives) computed in a cycle.
-    pub const NODES_PER_CYCLE: usize = 48;
-
-    /// Maximum number of samples at which time laws are verified in a cycle.
-    pub const SAMPLES_PER_CYCLE: usize = SAMPLES_PER_CYCLE;
-
     /// Creates the core of an arm at rest. `period` is the time between set-points, s. Allocates.
     #[must_use]
     pub fn new(arm: Arm, period: f64) -> Self {
@@ -78,6 +71,7 @@ impl MotionCore {
             cycle: 0,
             attempt: ATTEMPTS.len(),
             preference: EntryPreference::default(),
+            work: WorkBudget::default(),
             approach: None,
             trace: ToolTrace::default(),
         }
@@ -86,6 +80,11 @@ impl MotionCore {
     /// Sets the way in which the arm comes on to the next path. Call it before [`MotionCore::begin`].
     pub fn set_entry_preference(&mut self, preference: EntryPreference) {
         self.preference = preference;
+    }
+
+    /// Sets the maximum work of the following cycles.
+    pub fn set_work_budget(&mut self, work: WorkBudget) {
+        self.work = work;
     }
 
     /// Begins a motion along `path` from `state`, the state of the arm as commanded, in place of the present motion.
@@ -136,7 +135,7 @@ impl MotionCore {
         if self.approach.is_none() {
             core::mem::swap(&mut self.course, &mut self.previous);
         }
-        self.ranges = allowed_ranges(&self.arm, &state.position);
+        self.set_ranges(state);
         self.cycle = 0;
         self.planner = Planner::default();
         self.attempt = ATTEMPTS.len();
@@ -147,6 +146,14 @@ impl MotionCore {
             self.approach = approach;
         }
         Ok(())
+    }
+
+    /// Sets the ranges that the motion keeps from `state` on: those in which the arm is and its path begins and ends.
+    fn set_ranges(&mut self, state: &JointState) {
+        self.ranges = allowed_ranges(&self.arm, &state.position);
+        for end in self.course.table.ends() {
+            extend_ranges(&mut self.ranges, &self.arm, &end);
+        }
     }
 
     /// Begins the takeover on to the path from `state` at a time of the motion (s): each axis approaches the start of
@@ -172,8 +179,8 @@ impl MotionCore {
         let time = self.cycle as f64 * self.period;
         let now = self.course.held.state_at(time);
         let nodes = match self.approach {
-            Some(_) if self.cycle < ENTRY_CYCLE => Self::NODES_PER_CYCLE,
-            _ => NODES_ON_PATH,
+            Some(_) if self.cycle < ENTRY_CYCLE => self.work.nodes_at_takeover,
+            _ => self.work.nodes,
         };
         self.course.table.extend(&self.arm, nodes, now.s - 1e-3);
         if let Some(approach) = self.approach {
@@ -326,6 +333,7 @@ impl MotionCore {
         Demand {
             speed: self.course.table.requested().speed * share,
             tool_share: if entering { SHARE_WITH_RESIDUAL } else { 1.0 },
+            samples: self.work.samples,
         }
     }
 
@@ -360,9 +368,9 @@ impl MotionCore {
 
     fn replan(&mut self, now: PathState, time: f64, controls: Controls) {
         let demand = self.demand(time, controls);
-        let held_end = self.course.held.end();
+        let held = self.course.held;
         let mut planner = self.planner;
-        let law = planner.plan(&self.verifier(), now, time, held_end, demand);
+        let law = planner.plan(&self.verifier(), now, time, &held, demand);
         self.planner = planner;
         if let Some(law) = law {
             self.course.held = law;

@@ -8,12 +8,13 @@ use crate::joint_path::JointPath;
 use crate::node::{MostAllowed, Node, USED_JERK_SHARE, USED_JERK_SHARE_ON_SPLINE, bounds_at};
 use crate::path::{Curvature, Path};
 use crate::path_error::{PathError, PathErrorKind};
+use crate::verify::{RANGE_MARGIN, ranges_with_margin};
 use crate::window::{Window, widest_spacing};
 use crate::{Arm, Joints};
 use alloc::boxed::Box;
 use alloc::vec;
-use rpi_kin::MAX_AXES;
 use rpi_kin::state_to_rest::Bounds;
+use rpi_kin::{MAX_AXES, Range};
 
 /// Table of nodes, ahead of the motion along a path, as a ring buffer: places with the derivatives of the joint
 /// positions.
@@ -30,7 +31,16 @@ pub struct NodeTable {
     error: Option<PathError>,
     /// Share of the jerk limits of the axes that plans on this path use.
     jerk_share: f64,
+    /// Ranges that the axes keep on the path, rad.
+    ranges: [Range; MAX_AXES],
 }
+
+/// Distance that a path of the tool keeps from the ends of the range of an axis, rad. The arm keeps half of it, so that
+/// it can move on at a place where the path turns back.
+const PATH_MARGIN: f64 = 2.0 * RANGE_MARGIN;
+
+/// Distance by which a joint line may end beyond the range of an axis due to rounding, rad.
+const ROUNDING: f64 = 1e-12;
 
 /// Number of steps by which the arm angle (position of the elbow) is planned ahead when a path begins.
 const FIRST_LOOK: usize = 10;
@@ -55,6 +65,7 @@ impl NodeTable {
             window: Window::default(),
             error: None,
             jerk_share: USED_JERK_SHARE,
+            ranges: [Range::symmetric(0.0); MAX_AXES],
         }
     }
 
@@ -86,6 +97,11 @@ impl NodeTable {
         }
         self.window = Window::first(arm, &self.path, start)?;
         self.path.look_ahead(arm, self.window.end(), FIRST_LOOK);
+        let margin = match path {
+            Path::Tool(_) => PATH_MARGIN,
+            Path::Joints(_) => -ROUNDING,
+        };
+        self.ranges = ranges_with_margin(arm, &self.window.joints[2], margin);
         self.emit(arm);
         Ok(())
     }
@@ -97,7 +113,18 @@ impl NodeTable {
         self.path = JointPath::still(Path::joint_line(at, at, arm.axes()));
         self.jerk_share = USED_JERK_SHARE;
         self.window = Window::still(at);
+        self.ranges = ranges_with_margin(arm, at, 0.0);
         self.emit(arm);
+    }
+
+    /// Returns the joint positions (rad) at the start of the path and, on a joint line, at its end; otherwise those at
+    /// the start twice. Only for a table whose first node is still known.
+    pub(crate) fn ends(&self) -> [Joints; 2] {
+        let start = self.first_node().joints;
+        match self.path() {
+            Path::Joints(line) => [start, line.joints(self.path().length())],
+            Path::Tool(_) => [start; 2],
+        }
     }
 
     /// Returns the path whose nodes the table holds.
@@ -197,6 +224,7 @@ impl NodeTable {
     }
 
     /// Computes the node at the centre of the window (joint positions at equal distances) and appends it to the table.
+    /// If an axis is out of its range there, the path ends before the node.
     fn emit(&mut self, arm: &Arm) {
         let Window {
             joints: q,
@@ -211,6 +239,11 @@ impl NodeTable {
             resolution: self.path().resolution(centre),
             ..Node::default()
         };
+        if let Some(axis) = self.axis_out_of_range(arm) {
+            let kind = PathErrorKind::OutOfRange { axis };
+            self.error = Some(self.path.error_at(centre, kind));
+            return;
+        }
         let [a, b, c, d, e, _] = &self.window.joints;
         // Central differences over five points.
         node.first = core::array::from_fn(|k| (a[k] - 8.0 * b[k] + 8.0 * d[k] - e[k]) / (12.0 * h));
@@ -228,6 +261,17 @@ impl NodeTable {
         let slot = self.next % self.ring.len();
         self.ring[slot] = node;
         self.next += 1;
+    }
+
+    /// Returns the first axis that is out of its range at the centre of the window, or at the end of the path if the
+    /// centre lies beyond.
+    fn axis_out_of_range(&self, arm: &Arm) -> Option<usize> {
+        let (here, length) = (self.window.joints[2], self.path().length());
+        let joints = match self.window.centre > length {
+            true => self.path.joints_at(arm, length, &here).unwrap_or(here),
+            false => here,
+        };
+        (0..arm.axes()).find(|axis| !self.ranges[*axis].contains(joints[*axis]))
     }
 
     /// Returns the nodes before and after the position `s` along the path, and the share (0 to 1) of the distance

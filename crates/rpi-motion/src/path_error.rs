@@ -21,14 +21,17 @@ pub enum PathErrorKind {
         /// Axis that would jump, counted from 0.
         axis: usize,
     },
-    /// The path ends with an axis outside its range.
+    /// An axis would leave its range at this place.
     OutOfRange {
-        /// Axis outside its range, counted from 0.
+        /// Axis that would leave its range, counted from 0.
         axis: usize,
     },
     /// The derivatives of the joint positions cannot be computed, because the path is too near to a singularity or a
     /// range limits the arm angle (position of the elbow) abruptly.
-    Unresolved,
+    Unresolved {
+        /// Axis whose position bends most along the path there, counted from 0.
+        axis: usize,
+    },
     /// Start and end of the path coincide, and there is no rotation between them.
     NoLength,
 }
@@ -52,12 +55,15 @@ impl core::fmt::Display for PathError {
                 "axis {} would change the configuration {at:.4} m from the start of the path",
                 axis + 1
             ),
-            PathErrorKind::OutOfRange { axis } => {
-                write!(f, "the path ends with axis {} outside its range", axis + 1)
-            }
-            PathErrorKind::Unresolved => write!(
+            PathErrorKind::OutOfRange { axis } => write!(
                 f,
-                "the path comes too near to a singularity {at:.4} m from its start"
+                "axis {} would leave its range {at:.4} m from the start of the path",
+                axis + 1
+            ),
+            PathErrorKind::Unresolved { axis } => write!(
+                f,
+                "the path comes too near to a singularity {at:.4} m from its start: axis {} would turn too abruptly",
+                axis + 1
             ),
             PathErrorKind::NoLength => f.write_str("the path has no length"),
         }

@@ -3,7 +3,7 @@
 use crate::node::{MostAllowed, Node, tool_shares};
 use crate::node_table::NodeTable;
 use crate::time_law::{HeldBrake, PathState};
-use crate::verify::{SAMPLES_PER_CYCLE, Verifier};
+use crate::verify::Verifier;
 use rpi_kin::state_to_rest::{Bounds, StateToRestProfile};
 use rpi_kin::stop_profile::{StopProfile, VelocityState};
 
@@ -81,6 +81,9 @@ const CANDIDATES: [Candidate; 24] = [
     candidate(4, Speed::Near, 1.0),
 ];
 
+/// Shares of the lowest allowed speed ahead with which a plan continues the present stop, but does not come to rest.
+const SPEEDS_OF_STOP: [f64; 3] = [1.0, SLOWER, SLOWER * SLOWER];
+
 /// Limits of a plan that depend on the request and the situation: maximum speed, and use of the bounds of the tool.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Demand {
@@ -89,6 +92,8 @@ pub(crate) struct Demand {
     /// Share of the requested acceleration and jerk of the tool that the motion along the path may use; a residual
     /// (decaying difference between arm and path) uses the rest.
     pub tool_share: f64,
+    /// Maximum number of samples that all verifications of one cycle take together.
+    pub samples: usize,
 }
 
 /// Planner of the time law along a path. It stores which of the [`SHARES`] was accepted last, so that the next plan
@@ -96,6 +101,16 @@ pub(crate) struct Demand {
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct Planner {
     pub last_share: usize,
+    /// True if the last plan failed, so that the motion is coming to rest.
+    is_failing: bool,
+}
+
+/// One candidate with its numbers: the bounds of the plan, the position along the path before which its stop must not
+/// begin, and the maximum magnitudes of acceleration and jerk of the stop.
+struct Trial {
+    bounds: Bounds,
+    behind: f64,
+    brake: (f64, f64),
 }
 
 /// Speeds that the path allows within a stretch ahead of the motion.
@@ -137,9 +152,9 @@ impl Ahead {
         }
     }
 
-    /// Returns the bounds of a candidate plan with the share `share` of acceleration and jerk, and the position along
-    /// the path before which its stop must not begin. `None` if the candidate does not apply to this path.
-    fn bounds(&self, candidate: &Candidate, share: f64) -> Option<(Bounds, f64)> {
+    /// Returns the numbers of a candidate plan with the share `share` of acceleration and jerk. `None` if the candidate
+    /// does not apply to this path.
+    fn trial(&self, candidate: &Candidate, share: f64) -> Option<Trial> {
         let (speed, behind) = match candidate.speed {
             Speed::Near => (self.near.velocity, self.from),
             Speed::Far => (self.far.velocity, self.from),
@@ -154,17 +169,57 @@ impl Ahead {
             acceleration: self.most.acceleration * share,
             jerk: self.most.jerk * share,
         };
-        (candidate.brake >= 1.0 || self.curved).then_some((bounds, behind))
-    }
-
-    /// Returns the acceleration and jerk with which a candidate plan stops. Behind a curve, they do not depend on the
-    /// bounds of the plan on the curve.
-    fn brake(&self, candidate: &Candidate, plan: &Bounds) -> (f64, f64) {
+        // Behind a curve, the stop does not depend on the bounds of the plan on the curve.
         let (acceleration, jerk) = match candidate.speed {
             Speed::Through(_) => (self.most.acceleration, self.most.jerk),
-            _ => (plan.acceleration, plan.jerk),
+            _ => (bounds.acceleration, bounds.jerk),
         };
-        (candidate.brake * acceleration, candidate.brake * jerk)
+        let brake = (candidate.brake * acceleration, candidate.brake * jerk);
+        (candidate.brake >= 1.0 || self.curved).then_some(Trial {
+            bounds,
+            behind,
+            brake,
+        })
+    }
+
+    /// Returns plans that slow down as the present stop of `held` does, but to a constant speed instead of to rest.
+    /// Shortly before a narrow place that is much slower than all others, only the stop is known to pass: the
+    /// acceleration and jerk that the place allows at its own speed are too small to slow down in time.
+    fn slower_stops(&self, held: &HeldBrake) -> impl Iterator<Item = Trial> + use<> {
+        let (speed, from) = (self.far.velocity, self.from);
+        let brake = held.stop_bounds;
+        SPEEDS_OF_STOP
+            .iter()
+            .filter(move |_| brake.0 > 0.0 && brake.1 > 0.0)
+            .map(move |share| Trial {
+                bounds: Bounds {
+                    speed: share * speed,
+                    acceleration: brake.0,
+                    jerk: brake.1,
+                },
+                behind: from,
+                brake,
+            })
+    }
+
+    /// Returns the time law of a trial from the state `now` at `time` (s) on. `None` if it would move backwards, or
+    /// would pass a slow place too fast.
+    fn time_law(
+        &self,
+        table: &NodeTable,
+        now: PathState,
+        time: f64,
+        trial: &Trial,
+    ) -> Option<HeldBrake> {
+        let Trial {
+            bounds,
+            behind,
+            brake,
+        } = *trial;
+        let plan = StateToRestProfile::new(now.into(), table.goal(), bounds)?;
+        let law = HeldBrake::following(plan, time, behind, brake)?;
+        let is_slow_enough = bounds.speed <= self.far.velocity;
+        (is_slow_enough || self.slows_down_in_time(table, &law, bounds)).then_some(law)
     }
 
     /// Returns true if the motion can slow down to the speed of each place ahead before it reaches the place, once the
@@ -202,42 +257,38 @@ impl Ahead {
 
 impl Planner {
     /// Returns the fastest verified time law from the state `now` at `time` (s) on; `None` if no candidate passes with
-    /// the samples of one cycle, so that the present law must continue. `held_end` is the position along the path at
-    /// which the present law comes to rest.
+    /// the samples of one cycle, so that the present law `held` must continue.
     pub(crate) fn plan(
         &mut self,
         verifier: &Verifier<'_>,
         now: PathState,
         time: f64,
-        held_end: f64,
+        held: &HeldBrake,
         demand: Demand,
     ) -> Option<HeldBrake> {
-        let table = verifier.table;
-        let ahead = Ahead::new(table, now.s, held_end, demand);
-        let mut samples = SAMPLES_PER_CYCLE;
+        let ahead = Ahead::new(verifier.table, now.s, held.end(), demand);
+        let mut samples = demand.samples;
+        let mut accepted = |trial: &Trial| {
+            let law = ahead.time_law(verifier.table, now, time, trial)?;
+            (samples > 0 && verifier.accepts(&law, &mut samples)).then_some(law)
+        };
+        if self.is_failing
+            && let Some(law) = ahead.slower_stops(held).find_map(|trial| accepted(&trial))
+        {
+            return Some(law);
+        }
         let first = self.last_share.saturating_sub(1);
         for candidate in CANDIDATES {
             let number = first + candidate.slower_by;
-            let share = SHARES.get(number).copied();
-            let Some((bounds, behind)) = share.and_then(|share| ahead.bounds(&candidate, share))
-            else {
-                continue;
-            };
-            let profile = StateToRestProfile::new(now.into(), table.goal(), bounds);
-            let brake = ahead.brake(&candidate, &bounds);
-            let law = profile.and_then(|plan| HeldBrake::following(plan, time, behind, brake));
-            let Some(law) = law else { continue };
-            if bounds.speed > ahead.far.velocity && !ahead.slows_down_in_time(table, &law, bounds) {
-                continue;
-            }
-            if samples == 0 {
-                return None;
-            }
-            if verifier.accepts(&law, &mut samples) {
-                self.last_share = number;
+            let trial = SHARES
+                .get(number)
+                .and_then(|share| ahead.trial(&candidate, *share));
+            if let Some(law) = trial.and_then(|trial| accepted(&trial)) {
+                (self.last_share, self.is_failing) = (number, false);
                 return Some(law);
             }
         }
+        self.is_failing = true;
         None
     }
 }

@@ -65,6 +65,9 @@ pub struct HeldBrake {
     pub turn: PathState,
     /// Stop at the end of the time law.
     pub stop: StopProfile,
+    /// Maximum magnitudes of acceleration (m/s²; rad/s² on a joint line) and jerk (m/s³; rad/s³) of the stop; 0 for a
+    /// time law that rests.
+    pub stop_bounds: (f64, f64),
 }
 
 impl HeldBrake {
@@ -83,6 +86,7 @@ impl HeldBrake {
             piece_time: 0.0,
             turn: at,
             stop: StopProfile::default(),
+            stop_bounds: (0.0, 0.0),
         }
     }
 
@@ -103,6 +107,7 @@ impl HeldBrake {
             piece_time: 0.0,
             turn: from,
             stop,
+            stop_bounds: (acceleration, jerk),
         })
     }
 
@@ -140,6 +145,7 @@ impl HeldBrake {
             piece_time,
             turn,
             stop: stop_from(&turn, acceleration, jerk)?,
+            stop_bounds: (acceleration, jerk),
         })
     }
 

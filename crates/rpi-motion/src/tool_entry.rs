@@ -12,15 +12,12 @@ use crate::residual::Residual;
 use crate::stop_margin::stopping_distances;
 use crate::time_law::{HeldBrake, PathState};
 use crate::tool_residual::{Difference, ToolResidual};
-use crate::verify::{SAMPLES_PER_CYCLE, Verifier};
+use crate::verify::Verifier;
 use crate::{Arm, JointState, Joints};
 use nalgebra::Vector3;
 use rpi_kin::angle::nearest_turn;
 use rpi_kin::state_to_rest::{Bounds, StateToRestProfile};
 use rpi_kin::{MAX_AXES, Range};
-
-/// Maximum number of inverse kinematics that the verification computes in a cycle.
-pub(crate) const INVERSES_PER_CYCLE: usize = 80;
 
 /// Share of the requested acceleration and jerk of the tool that the motion along the path uses until the tool is on
 /// the path.
@@ -68,6 +65,8 @@ pub(crate) struct Situation<'a> {
     pub ranges: &'a [Range; MAX_AXES],
     pub demand: Demand,
     pub period: f64,
+    /// Maximum number of set-points that are verified in a cycle.
+    pub set_points: usize,
 }
 
 impl ToolEntry {
@@ -114,13 +113,13 @@ impl ToolEntry {
     }
 
     /// Returns the number of cycles that the whole verification takes.
-    pub(crate) fn cycles(&self) -> u64 {
-        self.count.div_ceil(INVERSES_PER_CYCLE) as u64
+    pub(crate) fn cycles(&self, of: &Situation<'_>) -> u64 {
+        self.count.div_ceil(of.set_points.max(1)) as u64
     }
 
-    /// Verifies the next set-points of the takeover, at most [`INVERSES_PER_CYCLE`].
+    /// Verifies the next set-points of the takeover, at most as many as one cycle may verify.
     pub(crate) fn verify(&mut self, of: &Situation<'_>) -> Verification {
-        for _ in 0..INVERSES_PER_CYCLE {
+        for _ in 0..of.set_points {
             if self.done == self.count {
                 return Verification::Accepted;
             }
@@ -238,7 +237,7 @@ fn law(
     let aside = residual.greatest_speed(SAMPLES);
     let left = requested.speed * requested.speed - aside * aside;
     let duration = residual.end() - time + 4.0 * of.period;
-    let mut samples = SAMPLES_PER_CYCLE;
+    let mut samples = of.demand.samples;
     let verifier = Verifier {
         arm: of.arm,
         table: of.table,

@@ -26,11 +26,8 @@ const LONGEST_STEP: f64 = 5e-3;
 /// phase.
 const COARSE_SAMPLES: f64 = 56.0;
 
-/// Maximum number of samples that all verifications of one cycle take together.
-pub const SAMPLES_PER_CYCLE: usize = 600;
-
 /// Distance that motions keep from the ends of the range of an axis, rad.
-const RANGE_MARGIN: f64 = 1e-4;
+pub(crate) const RANGE_MARGIN: f64 = 1e-4;
 
 /// Share of the requested bounds of the tool that is reserved for changes of the curvature between two samples.
 const BETWEEN_SAMPLES: f64 = 1.5e-3;
@@ -298,13 +295,30 @@ fn goes_backwards(start: &PathState, phase: &JerkPhase) -> bool {
 /// of its range, or beyond it, its start position is the end: the axis may move back, but not farther out.
 #[must_use]
 pub fn allowed_ranges(arm: &Arm, start: &Joints) -> [Range; MAX_AXES] {
+    ranges_with_margin(arm, start, RANGE_MARGIN)
+}
+
+/// Returns the ranges of the axes, less `margin` (rad), and extended to the joint positions `start` (rad).
+pub(crate) fn ranges_with_margin(arm: &Arm, start: &Joints, margin: f64) -> [Range; MAX_AXES] {
     let mut ranges = [Range::symmetric(0.0); MAX_AXES];
     for (axis, limits) in arm.limits().iter().enumerate() {
-        let inner = limits.position.shrunk(RANGE_MARGIN);
-        ranges[axis] = Range {
-            lower: inner.lower.min(start[axis] - END_TOLERANCE),
-            upper: inner.upper.max(start[axis] + END_TOLERANCE),
-        };
+        ranges[axis] = extended(limits.position.shrunk(margin), start[axis]);
     }
     ranges
+}
+
+/// Extends the ranges that a motion keeps to the places `at` (rad) of its path, as far as they lie within the ranges of
+/// the axes.
+pub(crate) fn extend_ranges(ranges: &mut [Range; MAX_AXES], arm: &Arm, at: &Joints) {
+    for (axis, limits) in arm.limits().iter().enumerate() {
+        let within = at[axis].clamp(limits.position.lower, limits.position.upper);
+        ranges[axis] = extended(ranges[axis], within);
+    }
+}
+
+fn extended(range: Range, place: f64) -> Range {
+    Range {
+        lower: range.lower.min(place - END_TOLERANCE),
+        upper: range.upper.max(place + END_TOLERANCE),
+    }
 }

@@ -99,27 +99,34 @@ impl Window {
     /// kinematics from a cubic there.
     fn next_joints(&self, arm: &Arm, path: &JointPath) -> Result<(Joints, f64), PathError> {
         if !self.is_filled {
-            return Err(self.unresolved());
+            return Err(self.unresolved(path, self.fastest_axis(arm)));
         }
         let [_, _, _, one, two, three] = &self.joints;
         let guess = extrapolated(two, three);
         let added = path.joints_at(arm, self.centre + 4.0 * self.spacing, &guess)?;
-        let difference = match path.path {
-            Path::Joints(_) => 0.0,
+        let (difference, axis) = match path.path {
+            Path::Joints(_) => (0.0, 0),
             Path::Tool(_) => self.bending(arm, path, 2.5, [one, two, three, &added])?,
         };
         let is_resolved = self.spacing <= path.path.resolution(self.centre + 2.0 * self.spacing);
         match difference <= RESOLUTION && is_resolved {
             true => Ok((added, difference)),
-            false => Err(self.unresolved()),
+            false => Err(self.unresolved(path, axis)),
         }
     }
 
-    fn unresolved(&self) -> PathError {
-        PathError {
-            s: self.centre + 2.5 * self.spacing,
-            kind: PathErrorKind::Unresolved,
-        }
+    fn unresolved(&self, path: &JointPath, axis: usize) -> PathError {
+        let s = self.centre + 2.5 * self.spacing;
+        path.error_at(s, PathErrorKind::Unresolved { axis })
+    }
+
+    /// Returns the axis (from 0) that turns fastest at the last known places.
+    fn fastest_axis(&self, arm: &Arm) -> usize {
+        let [.., before, last] = &self.joints;
+        let way = |axis: &usize| (last[*axis] - before[*axis]).abs();
+        let axes = 0..arm.axes();
+        axes.max_by(|one, other| way(one).total_cmp(&way(other)))
+            .unwrap_or(0)
     }
 
     fn fill_resolved(
@@ -137,29 +144,33 @@ impl Window {
                 continue;
             };
             let offset = k as f64 - 0.5;
-            if self.bending(arm, path, offset, [one, two, three, last])? > RESOLUTION {
-                return Err(self.unresolved());
+            let (difference, axis) = self.bending(arm, path, offset, [one, two, three, last])?;
+            if difference > RESOLUTION {
+                return Err(self.unresolved(path, axis));
             }
         }
         Ok(())
     }
 
     /// Returns the largest difference of an axis (rad) between the inverse kinematics at `offset` spacings from the
-    /// centre and the cubic through the four given joint positions, halfway between the second and the third of them.
+    /// centre and the cubic through the four given joint positions, halfway between the second and the third of them;
+    /// and this axis, from 0.
     fn bending(
         &self,
         arm: &Arm,
         path: &JointPath,
         offset: f64,
         [one, two, three, last]: [&Joints; 4],
-    ) -> Result<f64, PathError> {
+    ) -> Result<(f64, usize), PathError> {
         let s = self.centre + offset * self.spacing;
         let middle = path.joints_at(arm, s, two)?;
         let off = |axis: usize| {
             let cubic = (9.0 * (two[axis] + three[axis]) - one[axis] - last[axis]) / 16.0;
             (cubic - middle[axis]).abs()
         };
-        Ok((0..arm.axes()).map(off).fold(0.0, f64::max))
+        let differences = (0..arm.axes()).map(|axis| (off(axis), axis));
+        let largest = differences.max_by(|one, other| one.0.total_cmp(&other.0));
+        Ok(largest.unwrap_or_default())
     }
 
     /// Halves the spacing because of the error `cause`; returns an error if the spacing is already the finest.
@@ -169,7 +180,7 @@ impl Window {
         if finer < self.finest {
             return Err(cause);
         }
-        if cause.kind != PathErrorKind::Unresolved {
+        if !matches!(cause.kind, PathErrorKind::Unresolved { .. }) {
             self.cause = Some(cause);
         }
         self.spacing = finer;

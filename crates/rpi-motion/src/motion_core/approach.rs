@@ -6,7 +6,6 @@ use crate::path::Path;
 use crate::residual::Residual;
 use crate::set_point::{Controls, EntryPreference, MotionError};
 use crate::tool_entry::{Situation, ToolEntry, Verification};
-use crate::verify::allowed_ranges;
 use crate::{JointState, Joints};
 
 /// Difference of joint positions, rad, below which two set-points count as the same.
@@ -70,6 +69,7 @@ impl MotionCore {
             ranges: &self.ranges,
             demand: self.demand(time, controls),
             period: self.period,
+            set_points: self.work.set_points,
         };
         if approach.entry.is_none() {
             self.plan_switch(&mut approach, &situation);
@@ -98,7 +98,7 @@ impl MotionCore {
             _ => {
                 let state = self.state();
                 self.approach = None;
-                self.ranges = allowed_ranges(&self.arm, &state.position);
+                self.set_ranges(&state);
                 self.enter_by_axes(&state, time)
             }
         }
@@ -119,7 +119,7 @@ impl MotionCore {
                 .ahead(approach)
                 .and_then(|(state, last)| ToolEntry::plan(situation, time, &state, last));
             let Some(entry) = planned else { return };
-            let needed = self.cycle + entry.cycles() + 1;
+            let needed = self.cycle + entry.cycles(situation) + 1;
             if needed <= approach.switch {
                 approach.entry = Some(entry);
                 return;

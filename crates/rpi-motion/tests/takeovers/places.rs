@@ -95,7 +95,7 @@ fn a_line_to_the_outstretched_arm_is_refused_where_the_reach_ends() {
     assert!(
         matches!(
             error.kind,
-            PathErrorKind::NoInverse(_) | PathErrorKind::Unresolved
+            PathErrorKind::NoInverse(_) | PathErrorKind::Unresolved { .. }
         ),
         "{error}"
     );
@@ -146,5 +146,22 @@ fn a_straight_line_takes_as_long_as_its_bounds_and_one_period() {
         println!("{length} m: {duration} s, at least {least}");
         // The end of a period is the first time at which the arm can be seen at rest.
         assert!(duration <= least + PERIOD + 1e-9 && duration >= least - PERIOD);
+    }
+}
+
+/// A line along axes to the very end of the range of an axis is followed to its end; beyond, it is refused.
+#[test]
+fn a_joint_line_reaches_the_end_of_a_range_and_not_beyond() {
+    for model in ARMS {
+        let arm = Arm::new(model, Pose::identity(), &[]);
+        let start = random::joints(model, &mut Random::new(5));
+        let mut end = start;
+        end[0] = model.limits[0].position.upper;
+        let to = |end: &Joints| Path::joint_line(&start, end, arm.axes());
+        check_path(&arm, to(&end), &start, DEFAULT).expect("within the range");
+        followed(model, to(&end), &start);
+        end[0] += 1e-6;
+        let error = check_path(&arm, to(&end), &start, DEFAULT).expect_err("beyond the range");
+        assert_eq!(error.kind, PathErrorKind::OutOfRange { axis: 0 });
     }
 }

@@ -21,8 +21,7 @@ impl PathFault {
             axis,
             violation: Violation {
                 code,
-                // A path is looked at a little before its start, too.
-                value: error.s.max(0.0),
+                value: error.s,
                 limit: path.length(),
             },
         };
@@ -35,7 +34,7 @@ impl PathFault {
             }
             (PathErrorKind::NoInverse(error), _) => at(None, path_error_code(error)),
             (PathErrorKind::OutOfRange { axis }, _) => at(Some(axis), ErrorCode::PATH_OUT_OF_RANGE),
-            (PathErrorKind::Unresolved, _) => at(None, ErrorCode::PATH_SINGULAR),
+            (PathErrorKind::Unresolved { axis }, _) => at(Some(axis), ErrorCode::PATH_SINGULAR),
             (PathErrorKind::NoLength, _) => ErrorCode::NOT_A_NUMBER.into(),
         }
     }
