@@ -51,7 +51,7 @@ const NODES: usize = 4096;
 
 /// Cycle of a motion, counted from its start, from which a faster takeover on to the path is planned:
 /// by then enough places of the path have been computed.
-const ENTRY_CYCLE: u64 = 4;
+const ENTRY_CYCLE: u64 = 6;
 
 /// Share of the requested bounds of the tool that the motion along the path uses while a residual decays; 1 is all of
 /// them.
@@ -178,11 +178,9 @@ impl MotionCore {
     pub fn next_set_point(&mut self, controls: Controls) -> Result<SetPoint, MotionError> {
         let time = self.cycle as f64 * self.period;
         let now = self.course.held.state_at(time);
-        let nodes = match self.approach {
-            Some(_) if self.cycle < ENTRY_CYCLE => self.work.nodes_at_takeover,
-            _ => self.work.nodes,
-        };
-        self.course.table.extend(&self.arm, nodes, now.s - 1e-3);
+        self.course
+            .table
+            .extend(&self.arm, self.nodes_of_cycle(), now.s - 1e-3);
         if let Some(approach) = self.approach {
             self.prepare(approach, time, controls)?;
         } else if self.course.tool.is_some_and(|tool| time < tool.end()) {
@@ -307,6 +305,18 @@ impl MotionCore {
     #[must_use]
     pub fn path(&self) -> &Path {
         self.course.path()
+    }
+
+    /// Returns the number of nodes that the present cycle may compute: none where it does other work.
+    fn nodes_of_cycle(&self) -> usize {
+        match self.approach {
+            // The takeover has been prepared in this cycle.
+            _ if self.cycle == 0 && self.course.residual.end() > 0.0 => 0,
+            Some(_) if self.cycle < ENTRY_CYCLE => self.work.nodes_at_takeover,
+            Some(approach) if approach.entry.is_none() => 0,
+            None if self.cycle > ENTRY_CYCLE && self.is_planning_cycle() => 0,
+            _ => self.work.nodes,
+        }
     }
 
     fn is_planning_cycle(&self) -> bool {

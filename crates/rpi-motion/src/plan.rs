@@ -84,6 +84,15 @@ const CANDIDATES: [Candidate; 24] = [
 /// Shares of the lowest allowed speed ahead with which a plan continues the present stop, but does not come to rest.
 const SPEEDS_OF_STOP: [f64; 3] = [1.0, SLOWER, SLOWER * SLOWER];
 
+/// Multiple of the lowest allowed speed ahead below which a stop has slowed down enough and is not to come to rest.
+const NEARLY: f64 = 1.5;
+
+/// Number of samples whose work the time law of a candidate takes.
+const SAMPLES_OF_PROFILE: usize = 6;
+
+/// Part of the samples of a cycle, as a divisor, that is kept for plans that continue the present stop.
+const RESERVE: usize = 4;
+
 /// Limits of a plan that depend on the request and the situation: maximum speed, and use of the bounds of the tool.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Demand {
@@ -101,8 +110,6 @@ pub(crate) struct Demand {
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct Planner {
     pub last_share: usize,
-    /// True if the last plan failed, so that the motion is coming to rest.
-    is_failing: bool,
 }
 
 /// One candidate with its numbers: the bounds of the plan, the position along the path before which its stop must not
@@ -267,29 +274,39 @@ impl Planner {
         demand: Demand,
     ) -> Option<HeldBrake> {
         let ahead = Ahead::new(verifier.table, now.s, held.end(), demand);
-        let mut samples = demand.samples;
-        let mut accepted = |trial: &Trial| {
+        let accepted = |trial: &Trial, samples: &mut usize| {
+            *samples = samples.saturating_sub(SAMPLES_OF_PROFILE);
+            if *samples == 0 {
+                return None;
+            }
             let law = ahead.time_law(verifier.table, now, time, trial)?;
-            (samples > 0 && verifier.accepts(&law, &mut samples)).then_some(law)
+            verifier.accepts(&law, samples).then_some(law)
         };
-        if self.is_failing
-            && let Some(law) = ahead.slower_stops(held).find_map(|trial| accepted(&trial))
-        {
-            return Some(law);
-        }
+        let is_stopping = time >= held.start_time + held.piece_time
+            && now.velocity <= NEARLY * ahead.far.velocity;
+        let reserve = match is_stopping {
+            true => demand.samples / RESERVE,
+            false => 0,
+        };
+        let mut samples = demand.samples - reserve;
         let first = self.last_share.saturating_sub(1);
         for candidate in CANDIDATES {
             let number = first + candidate.slower_by;
             let trial = SHARES
                 .get(number)
                 .and_then(|share| ahead.trial(&candidate, *share));
-            if let Some(law) = trial.and_then(|trial| accepted(&trial)) {
-                (self.last_share, self.is_failing) = (number, false);
+            if let Some(law) = trial.and_then(|trial| accepted(&trial, &mut samples)) {
+                self.last_share = number;
                 return Some(law);
             }
         }
-        self.is_failing = true;
-        None
+        if !is_stopping {
+            return None;
+        }
+        samples += reserve;
+        ahead
+            .slower_stops(held)
+            .find_map(|trial| accepted(&trial, &mut samples))
     }
 }
 

@@ -20,8 +20,8 @@ impl Default for WorkBudget {
     fn default() -> Self {
         Self {
             nodes: 16,
-            nodes_at_takeover: 48,
-            samples: 600,
+            nodes_at_takeover: 32,
+            samples: 400,
             set_points: 80,
         }
     }

@@ -24,6 +24,8 @@ pub(super) struct Approach {
     switch: u64,
     /// The planned takeover; `None` until it is planned.
     pub(super) entry: Option<ToolEntry>,
+    /// True if no takeover could be planned, so that each axis approaches the path on its own.
+    has_failed: bool,
 }
 
 impl MotionCore {
@@ -49,6 +51,7 @@ impl MotionCore {
             previous_time,
             switch: LATEST_SWITCH,
             entry: None,
+            has_failed: false,
         })
     }
 
@@ -71,12 +74,12 @@ impl MotionCore {
             period: self.period,
             set_points: self.work.set_points,
         };
-        if approach.entry.is_none() {
+        if approach.entry.is_none() && !approach.has_failed {
             self.plan_switch(&mut approach, &situation);
-            if approach.entry.is_some() {
-                self.approach = Some(approach);
-                return Ok(());
-            }
+            // What follows in either case has work of its own, for the next cycle.
+            approach.has_failed = approach.entry.is_none();
+            self.approach = Some(approach);
+            return Ok(());
         }
         let verified = approach
             .entry
@@ -112,14 +115,16 @@ impl MotionCore {
         /// Maximum number of plans of a takeover. Each later plan begins the takeover in the cycle that the
         /// verification of the previous plan would need.
         const PLANS: usize = 2;
+        let mut situation = *situation;
+        situation.demand.samples /= PLANS;
         approach.switch = self.cycle + FIRST_GUESS;
         for _ in 0..PLANS {
             let time = approach.switch as f64 * self.period;
             let planned = self
                 .ahead(approach)
-                .and_then(|(state, last)| ToolEntry::plan(situation, time, &state, last));
+                .and_then(|(state, last)| ToolEntry::plan(&situation, time, &state, last));
             let Some(entry) = planned else { return };
-            let needed = self.cycle + entry.cycles(situation) + 1;
+            let needed = self.cycle + entry.cycles(&situation) + 1;
             if needed <= approach.switch {
                 approach.entry = Some(entry);
                 return;
