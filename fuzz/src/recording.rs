@@ -108,6 +108,7 @@ fn record(image: &Arc<Image>, profile: Profile) -> Option<Vec<u8>> {
         },
         interrupted: Arc::default(),
         emergency: Arc::default(),
+        next_tick: Arc::default(),
         settings: &[],
         recording: Some(Box::new(recording)),
         sink: &mut (),

@@ -55,6 +55,9 @@ pub struct Settings {
     /// Worst-case time of an elementary operation, such as an addition of reals, in nanoseconds. `rpic machine`
     /// measures it. The server uses it to reject commands that would not fit into a tick.
     pub ns_per_operation: f64,
+    /// Name of the requester of an emergency stop that is in force from the start, as after a crash; `None` for no
+    /// stop. Only the operator may reset it.
+    pub stopped_by: Option<String>,
     /// File to which each line of the log is appended as a JSON object, if any.
     pub log_file: Option<PathBuf>,
     /// Process in which the texts of clients are compiled.
@@ -80,6 +83,7 @@ impl Default for Settings {
             grace: Duration::from_secs(5),
             cycle_share: Some(Budget::SHARE),
             ns_per_operation: Budget::NS_PER_OPERATION,
+            stopped_by: None,
             log_file: None,
             compiler: CompilerSettings::default(),
             limits: Limits::default(),

@@ -11,6 +11,7 @@ use rpi_runtime::run::InputSetting;
 use rpi_serve::{OnLoss, SocketSettings};
 
 use crate::budget_args::BudgetArgs;
+use crate::guard::GuardArgs;
 use crate::recording_args::RecordingArgs;
 use crate::robot_args::{CellCommand, RobotCommand};
 use crate::socket_arg::parse_socket;
@@ -32,7 +33,7 @@ pub(crate) enum CliCommand {
     /// With --inputs or --step, a node of a program (.rpi, .lus) runs alone, with one row of the table per cycle.
     /// Otherwise commands run, and a summary is printed at the end. Exit status: 0 if all ended without error, 1 for a
     /// command's error, 2 for invalid input, 3 for a fault while running or for set-points that a device refused and no
-    /// command handled. An interrupt (SIGINT, SIGTERM, SIGHUP) acts as the end of --time: commands are stopped, devices
+    /// command handled, 4 for a crash under --guard. An interrupt (SIGINT, SIGTERM, SIGHUP) acts as the end of --time: commands are stopped, devices
     /// brake, files are completed and the summary is printed; the exit status is then 130, 143 or 129.
     Run(RunArgs),
     /// Run as a server: clients load, start, schedule and watch commands while others run.
@@ -122,6 +123,8 @@ pub(crate) struct RunArgs {
     pub(crate) clock: ClockArgs,
     #[command(flatten)]
     pub(crate) share: BudgetArgs,
+    #[command(flatten)]
+    pub(crate) guard: GuardArgs,
     /// Handling of assertions and contracts: leave out, report violations with cycle and values, or end the command by
     /// a fault.
     #[arg(long, value_name = "HOW", default_value = "report")]
@@ -285,6 +288,8 @@ pub(crate) struct ServeArgs {
     pub(crate) share: BudgetArgs,
     #[command(flatten)]
     pub(crate) clock: ClockArgs,
+    #[command(flatten)]
+    pub(crate) guard: GuardArgs,
     /// Record everything until the server is interrupted (SIGINT, SIGTERM, SIGHUP), to a file .mcap for viewers and
     /// `rpi replay`.
     #[arg(long, value_name = "FILE")]

@@ -2,6 +2,9 @@
 
 use std::process::ExitCode;
 
+/// Exit status after a crash of the control core.
+pub(crate) const CRASHED: u8 = 4;
+
 /// Exit status of `rpi`.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub(crate) enum Exit {
@@ -13,6 +16,13 @@ pub(crate) enum Exit {
     BadInput,
     /// Status 3: a fault occurred while a command ran.
     Fault,
+    /// Status 4: the control core has crashed.
+    Crashed,
+    /// Status of the control core that a guard has watched until its end in order.
+    Core {
+        /// Exit status of the process of the core.
+        status: u8,
+    },
     /// Status 128 + signal number: a signal interrupted the tool.
     Interrupted {
         /// Number of the signal: 1 for SIGHUP, 2 for SIGINT, 15 for SIGTERM.
@@ -27,6 +37,8 @@ impl From<Exit> for ExitCode {
             Exit::CommandError => 1,
             Exit::BadInput => 2,
             Exit::Fault => 3,
+            Exit::Crashed => CRASHED,
+            Exit::Core { status } => status,
             Exit::Interrupted { signal } => 128 + signal,
         })
     }

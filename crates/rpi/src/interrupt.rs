@@ -59,6 +59,13 @@ impl Interrupt {
         Arc::clone(&self.raised)
     }
 
+    /// Returns the number of the last SIGINT, SIGTERM or SIGHUP since the last call; `None` if there was none.
+    pub(crate) fn take_signal(&self) -> Option<i32> {
+        let raised = self.raised.swap(false, Ordering::Relaxed);
+        let signal = i32::try_from(self.signal.load(Ordering::Relaxed)).ok();
+        signal.filter(|_| raised)
+    }
+
     /// Returns the flag that SIGQUIT (emergency stop) sets.
     pub(crate) fn emergency(&self) -> Arc<AtomicBool> {
         Arc::clone(&self.emergency)

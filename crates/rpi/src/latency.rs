@@ -71,6 +71,7 @@ fn load(args: &LatencyArgs) -> Result<CycleTiming, Box<dyn std::error::Error>> {
         },
         interrupted: Arc::default(),
         emergency: Arc::default(),
+        next_tick: Arc::default(),
         settings: &[],
         recording: None,
         sink: &mut (),

@@ -2,12 +2,13 @@
 //! `rpi robot`, `rpi cell`.
 //!
 //! Exit status: 0 for success, 1 for a command's error or a differing trace, 2 for invalid input, 3 for a fault while
-//! running.
+//! running, 4 for a crash of the control core.
 
 mod args;
 mod budget_args;
 mod cell_file;
 mod exit;
+mod guard;
 mod interrupt;
 mod latency;
 mod node;
@@ -38,7 +39,14 @@ fn main() -> ExitCode {
     let cli = Cli::parse();
     let done = match cli.task {
         CliCommand::Run(args) if args.node.is_present() => node::run(&args),
+        CliCommand::Run(args) if args.guard.is_guard() => {
+            let recording = args.record.as_deref().filter(|path| run::is_mcap(path));
+            guard::guard(&args.guard, recording, false)
+        }
         CliCommand::Run(args) => run::run(&args),
+        CliCommand::Serve(args) if args.guard.is_guard() => {
+            guard::guard(&args.guard, args.record.as_deref(), true)
+        }
         CliCommand::Serve(args) => serve::serve(&args),
         CliCommand::Trace(args) => trace::trace(&args),
         CliCommand::Replay(args) => replay::replay(&args),

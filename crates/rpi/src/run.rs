@@ -2,8 +2,10 @@
 
 use std::error::Error;
 use std::fs::File;
-use std::io::{BufWriter, IsTerminal, Write};
+use std::io::{self, BufWriter, IsTerminal, Write};
 use std::path::Path;
+use std::sync::Arc;
+use std::sync::atomic::{AtomicU64, Ordering};
 use std::time::Duration;
 
 use rpi_core::MotionControls;
@@ -24,6 +26,7 @@ use rpi_runtime::run::{
 
 use crate::args::RunArgs;
 use crate::exit::{self, Exit};
+use crate::guard::{Heartbeat, HeartbeatSource};
 use crate::interrupt::Interrupt;
 use crate::output;
 use crate::program;
@@ -148,6 +151,8 @@ fn execute(
     let mut show_progress =
         |command: &CommandEnd, elapsed: Duration| progress.show(command, elapsed);
     let shows = std::io::stderr().is_terminal();
+    let next_tick = Arc::<AtomicU64>::default();
+    let heartbeat = heartbeat(args, tick_ns, &next_tick, interrupt)?;
     let outcome = run::run(RunOptions {
         images: &bundle.images,
         plans: std::slice::from_ref(&bundle.plan),
@@ -169,6 +174,7 @@ fn execute(
         },
         interrupted: interrupt.flag(),
         emergency: interrupt.emergency(),
+        next_tick,
         settings: &args.target.settings,
         recording: recording.transpose()?,
         sink,
@@ -178,6 +184,7 @@ fn execute(
             None
         },
     });
+    drop(heartbeat);
     progress.clear();
     let file = args.record.as_deref().unwrap_or(Path::new("")).display();
     outcome.map_err(|failure| match failure {
@@ -185,6 +192,28 @@ fn execute(
         RunError::BudgetExceeded { .. } => format!("{failure}\n  {BUDGET_HELP}").into(),
         other => other.into(),
     })
+}
+
+/// Starts the heartbeat of a run, which reports the number of the next tick, `next_tick`, to the guard or to the service
+/// manager.
+fn heartbeat(
+    args: &RunArgs,
+    tick_ns: u64,
+    next_tick: &Arc<AtomicU64>,
+    interrupt: &Interrupt,
+) -> io::Result<Heartbeat> {
+    let (real_time, next_tick) = (args.clock.real_time, Arc::clone(next_tick));
+    let source = HeartbeatSource {
+        // Cycles of simulated time may wait for the recorder, so they never count as stalled.
+        ticks: Box::new(move || match real_time {
+            true => next_tick.load(Ordering::Relaxed),
+            false => 0,
+        }),
+        period_ns: tick_ns,
+        is_stopped: false,
+        interrupted: interrupt.flag(),
+    };
+    Heartbeat::start(source, args.guard.guarded)
 }
 
 /// Help text for an error that commands exceed their share of a cycle.

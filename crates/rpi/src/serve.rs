@@ -1,6 +1,8 @@
 //! `rpi serve`: the control core as a server.
 
+use std::error::Error;
 use std::fs::File;
+use std::io;
 use std::path::Path;
 use std::sync::atomic::Ordering;
 use std::time::Duration;
@@ -14,6 +16,7 @@ use rpi_serve::{
 use crate::args::ServeArgs;
 use crate::cell_file;
 use crate::exit::{self, Exit};
+use crate::guard::{Heartbeat, HeartbeatSource};
 use crate::interrupt::Interrupt;
 use crate::own_program::own_program;
 use crate::run::is_mcap;
@@ -23,25 +26,7 @@ use crate::run::is_mcap;
 pub(crate) fn serve(args: &ServeArgs) -> exit::CommandResult {
     let cell = args.cell.as_deref().map(cell_file::read).transpose()?;
     let (cell, text) = cell.unwrap_or_default();
-    let tokens = args.token_file.as_deref().map(read_tokens).transpose();
-    let tokens = tokens.map_err(|why| why.to_string())?.unwrap_or_default();
-    let settings = Settings {
-        cycle_share: args.share.parse_share(),
-        ns_per_operation: args.share.ns_per_operation(None)?,
-        listen: args.listen,
-        sockets: args.sockets.clone(),
-        tokens,
-        tls: tls(args),
-        insecure: args.insecure,
-        tick_ns: args.period,
-        real_time: args.clock.real_time.then(|| args.clock.real_time()),
-        continuity: args.on_jump.map(Into::into),
-        on_loss: args.on_loss,
-        grace: Duration::from_nanos(args.grace),
-        log_file: args.log.clone(),
-        compiler: compiler(args)?,
-        ..Settings::default()
-    };
+    let settings = settings(args)?;
     let recording = args
         .record
         .as_deref()
@@ -60,19 +45,68 @@ pub(crate) fn serve(args: &ServeArgs) -> exit::CommandResult {
         .for_each(|grant| rpi_diag::println_stderr!("{grant}"));
     let scheme = args.tls_cert.as_ref().map_or("ws", |_| "wss");
     rpi_diag::println_stderr!("serving at {scheme}://{}", server.address());
+    if args.guard.emergency_stopped {
+        rpi_diag::println_stderr!("EMERGENCY STOP: still in force after the crash");
+    }
+    let heartbeat = heartbeat(&server, args, &interrupt)?;
     while server.runs() && !interrupted.load(Ordering::Relaxed) {
         handle_operator(&server, &interrupt);
+        heartbeat.set_stopped(server.is_emergency_stopped());
         for warning in server.warnings() {
             rpi_diag::println_stderr!("{warning}");
         }
         std::thread::sleep(POLL_INTERVAL);
     }
+    let crashed = !server.runs();
+    drop(heartbeat);
     let file = args.record.as_deref().unwrap_or(Path::new("")).display();
     if let Some(written) = server.close().map_err(|e| format!("{file}: {e}"))? {
         let ticks = with_noun(written.ticks, "tick");
         rpi_diag::println_stderr!("recorded {ticks}, {} lost", written.lost);
     }
-    Ok(Exit::Success)
+    match crashed {
+        true => Ok(Exit::Crashed),
+        false => Ok(Exit::Success),
+    }
+}
+
+/// Returns the settings of the server that the options give.
+fn settings(args: &ServeArgs) -> Result<Settings, Box<dyn Error>> {
+    let tokens = args.token_file.as_deref().map(read_tokens).transpose();
+    let tokens = tokens.map_err(|why| why.to_string())?.unwrap_or_default();
+    Ok(Settings {
+        cycle_share: args.share.parse_share(),
+        ns_per_operation: args.share.ns_per_operation(None)?,
+        listen: args.listen,
+        sockets: args.sockets.clone(),
+        tokens,
+        tls: tls(args),
+        insecure: args.insecure,
+        tick_ns: args.period,
+        real_time: args.clock.real_time.then(|| args.clock.real_time()),
+        continuity: args.on_jump.map(Into::into),
+        on_loss: args.on_loss,
+        grace: Duration::from_nanos(args.grace),
+        stopped_by: args
+            .guard
+            .emergency_stopped
+            .then(|| STOP_BEFORE_CRASH.to_owned()),
+        log_file: args.log.clone(),
+        compiler: compiler(args)?,
+        ..Settings::default()
+    })
+}
+
+/// Starts the heartbeat of the server, which reports the cycles to the guard or to the service manager.
+fn heartbeat(server: &Server, args: &ServeArgs, interrupt: &Interrupt) -> io::Result<Heartbeat> {
+    let metrics = server.cycle_metrics();
+    let source = HeartbeatSource {
+        ticks: Box::new(move || metrics.ticks()),
+        period_ns: args.period,
+        is_stopped: server.is_emergency_stopped(),
+        interrupted: interrupt.flag(),
+    };
+    Heartbeat::start(source, args.guard.guarded)
 }
 
 /// Returns where the texts of clients are compiled: in workers that run this program.
@@ -109,6 +143,9 @@ fn handle_operator(server: &Server, interrupt: &Interrupt) {
         }
     }
 }
+
+/// Requester of an emergency stop that was in force when the previous control core crashed.
+const STOP_BEFORE_CRASH: &str = "the emergency stop before the crash of the control core";
 
 /// Interval at which the server process checks for signals and prints warnings.
 const POLL_INTERVAL: Duration = Duration::from_millis(20);

@@ -56,6 +56,7 @@ fn record(args: &TraceArgs) -> CommandResult {
         },
         interrupted: Arc::default(),
         emergency: Arc::default(),
+        next_tick: Arc::default(),
         settings: &args.target.settings,
         recording: None,
         sink: &mut traced,

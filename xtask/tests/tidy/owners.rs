@@ -44,7 +44,7 @@ const OWNERS: &[(&str, &[&str])] = &[
     ("rustc-hash", &["rpi-lower", "rpi-net"]),
     (
         "rustix",
-        &["rpi-bench", "rpi-fuzz", "rpi-runtime", "rpi-serve"],
+        &["rpi", "rpi-bench", "rpi-fuzz", "rpi-runtime", "rpi-serve"],
     ),
     ("rustls", &["rpi-client", "rpi-serve"]),
     ("seccompiler", &["rpi-runtime"]),

@@ -14,7 +14,7 @@
 //! | `/rpi/images` | images of the commands |
 //! | `/rpi/tape` | the [tick log](rpi_runtime::tick_log): bit-exact log of each tick |
 //! | attachments | cell description, source of the program |
-//! | metadata `rpi`, `rpi-end` | tick length, policy, program, number of the part; number of ticks written and lost, or of the next part |
+//! | metadata `rpi`, `rpi-end` | tick length, policy, program, number of the part; number of ticks written and lost, or of the next part, or the reason of a cut |
 //!
 //! A [`Profile`] selects the encoding of the messages. A recording may have several parts (`parts`), each a complete file.
 //!
@@ -24,12 +24,15 @@
 
 mod bytes_encoding;
 mod chunk;
+mod completion;
 mod error;
 mod event_json;
 mod field_tree;
+mod mcap_bytes;
 mod mcap_file;
 mod names;
 mod own_topics;
+mod part_index;
 mod part_source;
 mod part_writer;
 mod parts;
@@ -48,6 +51,7 @@ mod topic_table;
 mod value_json;
 mod writer;
 
+pub use completion::{CompletedRecording, complete, recording_files};
 pub use error::RecordingError;
 pub use mcap_file::Output;
 pub use parts::{OpenPart, PartLimits, part_files, part_path, single_part};

@@ -13,9 +13,9 @@ use super::error::RecordingError;
 use super::{chunk, record_parser};
 
 /// Bytes with which every complete MCAP file begins and ends.
-const MAGIC: &[u8] = b"\x89MCAP0\r\n";
+pub(super) const MAGIC: &[u8] = b"\x89MCAP0\r\n";
 /// Maximum size in bytes of a record, and of a chunk before and after decompression. Larger ones are rejected.
-const MAX_RECORD: usize = 64 << 20;
+pub(super) const MAX_RECORD: usize = 64 << 20;
 
 /// Source of one file of a recording, which can be read several times: a path, or bytes in memory.
 #[derive(Clone, Debug)]

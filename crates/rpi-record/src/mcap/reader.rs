@@ -13,6 +13,7 @@ use rpi_image::Image;
 use rpi_sim::Cell;
 use serde_json::Value;
 
+use super::completion::CUT;
 use super::error::RecordingError;
 use super::own_topics::{EVENTS, IMAGES, REQUESTS, TAPE};
 use super::part_source::{PartEnd, PartSource};
@@ -105,6 +106,9 @@ impl Recording {
             match end {
                 PartEnd::Complete { checksum } => previous = Some(checksum),
                 PartEnd::Cut(why) => break Err(why),
+            }
+            if let Some(why) = kept.cut_reason() {
+                break Err(why);
             }
             match kept.next_part()? {
                 Some(next) => number = next,
@@ -264,6 +268,11 @@ impl RecordCollection {
                 "part {number} belongs to another recording"
             ))),
         }
+    }
+
+    /// Returns the reason for which the recording was cut off, if it was [completed](super::complete) afterwards.
+    fn cut_reason(&self) -> Option<String> {
+        self.metadata.get("rpi-end")?.get(CUT).cloned()
     }
 
     /// Returns the number of the part that follows the present one; `None` at the end of the recording.

@@ -3,7 +3,7 @@
 use std::fmt;
 use std::io;
 use std::sync::Arc;
-use std::sync::atomic::AtomicBool;
+use std::sync::atomic::{AtomicBool, AtomicU64};
 use std::time::Duration;
 
 use rpi_core::{Continuity, LoadError, MotionControls};
@@ -48,6 +48,8 @@ pub struct RunOptions<'a> {
     pub interrupted: Arc<AtomicBool>,
     /// Flag that causes an emergency stop as soon as it is set to true.
     pub emergency: Arc<AtomicBool>,
+    /// Number of the next tick, which the cycle writes after each tick. Other threads may read it during the run.
+    pub next_tick: Arc<AtomicU64>,
     /// Values that the user gives for inputs of the commands, as texts.
     pub settings: &'a [InputSetting],
     /// Recording of the run, not started yet; `None` if the run is not recorded.

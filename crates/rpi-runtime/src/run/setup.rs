@@ -57,7 +57,7 @@ pub(super) fn setup<'a>(
         emergency: Arc::clone(&job.emergency),
         tick_ns,
     };
-    let now = Arc::new(AtomicU64::new(0));
+    let now = Arc::clone(&job.next_tick);
     let cycle = CycleLoop::new(
         executive,
         TickTimer::start(job.time_base, tick_ns, job.real_time.overrun),
