@@ -10,6 +10,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use std::thread::JoinHandle;
 use std::time::Duration;
 
+use super::HeartbeatSource;
 use super::beat::Beat;
 use super::service_manager::ServiceManager;
 
@@ -26,18 +27,6 @@ pub(crate) struct Heartbeat {
 struct Flags {
     is_stopped: AtomicBool,
     is_ending: AtomicBool,
-}
-
-/// Source of the reports.
-pub(crate) struct HeartbeatSource {
-    /// Returns the number of cycles since the start; 0 if none are expected in real time.
-    pub(crate) ticks: Box<dyn Fn() -> u64 + Send>,
-    /// Length of a cycle in nanoseconds.
-    pub(crate) period_ns: u64,
-    /// Whether an emergency stop is in force at the start.
-    pub(crate) is_stopped: bool,
-    /// Flag that ends the core in order. It is set when the guard has ended.
-    pub(crate) interrupted: Arc<AtomicBool>,
 }
 
 impl Heartbeat {

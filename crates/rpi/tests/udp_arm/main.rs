@@ -298,6 +298,45 @@ fn a_killed_program_leaves_the_arm_at_rest() {
     assert_eq!((log.brakes, log.rests), (1, true));
 }
 
+/// The guard of a killed core has no connection to the arm: the watchdog of the controller brakes it. The recording
+/// replays up to the cut, and the next run succeeds.
+#[test]
+#[cfg(target_os = "linux")]
+fn the_controller_brakes_the_arm_of_a_killed_core() {
+    let controller = Process::start(&settings(0.0));
+    let project = Project::new(controller.port);
+    let file = project.path("out.mcap");
+    let recorded = ["--real-time", "--guard", "--record", file.to_str().unwrap()];
+    let mut guard = project
+        .command("real.toml", &recorded)
+        .stdout(Stdio::null())
+        .stderr(Stdio::piped())
+        .spawn()
+        .unwrap();
+    std::thread::sleep(Duration::from_millis(2500));
+    let id = guard.id();
+    let children = std::fs::read_to_string(format!("/proc/{id}/task/{id}/children")).unwrap();
+    let killed = Command::new("kill")
+        .args(["-KILL", children.trim()])
+        .status();
+    assert!(killed.unwrap().success());
+    let mut text = String::new();
+    let errors = guard.stderr.take().unwrap();
+    BufReader::new(errors).read_to_string(&mut text).unwrap();
+    assert_eq!(guard.wait().unwrap().code(), Some(4), "{text}");
+    assert!(text.contains("was ended by SIGKILL"), "{text}");
+    assert!(
+        support::recordings::ticks_up_to_the_cut(&file) > 100,
+        "{text}"
+    );
+    std::thread::sleep(Duration::from_secs(1));
+    let again = project.command("real.toml", &["--real-time"]).output();
+    let again = again.unwrap();
+    let log = controller.end();
+    assert_eq!(again.status.code(), Some(0), "{}", output_text(&again));
+    assert_eq!((log.brakes, log.rests), (1, true), "{text}");
+}
+
 #[test]
 fn a_real_device_needs_real_time_and_its_controller() {
     let project = Project::new(1);
