@@ -31,6 +31,15 @@ impl Arm {
         }
     }
 
+    /// Returns the same arm with ranges that are smaller by `margin` (rad) at both ends.
+    pub(crate) fn with_margin(&self, margin: f64) -> Self {
+        let mut arm = *self;
+        for limits in &mut arm.limits[..self.model.axes()] {
+            limits.position = limits.position.shrunk(margin);
+        }
+        arm
+    }
+
     /// Returns the number of axes of the arm.
     #[must_use]
     pub fn axes(&self) -> usize {

@@ -4,6 +4,7 @@ use crate::joint_path::JointPath;
 use crate::node_table::NodeTable;
 use crate::path::Path;
 use crate::path_error::{PathError, PathErrorKind};
+use crate::ranges::{Ranges, first_outside, path_ranges};
 use crate::speed_limit::{SpeedLimit, slower};
 use crate::{Arm, Joints};
 use rpi_kin::state_to_rest::Bounds;
@@ -42,20 +43,28 @@ const JUMP: f64 = 0.3;
 pub fn scan_path(arm: &Arm, path: &Path, start: &Joints) -> Result<(), PathError> {
     let length = path.length();
     if let Path::Joints(line) = path {
-        return check_ranges(arm, &line.joints(length), start, length);
+        let end = line.joints(length);
+        return check_place(arm, &path_ranges(arm, path, start), &end, length);
     }
     let (joint_path, widest) = (JointPath::new(arm, *path, start), length / STEPS);
+    let ranges = path_ranges(arm, path, start);
     let (mut s, mut joints, mut step) = (0.0, *start, widest);
     for _ in 0..PLACES {
         let next = (s + step).min(length);
         match step_to(arm, &joint_path, next, &joints) {
             Ok(found) => {
+                // A redundant arm can change its arm angle before an axis comes near to the end of its range.
+                if !joint_path.is_redundant() {
+                    check_place(arm, &ranges, &found, next)?;
+                }
                 (s, joints, step) = (next, found, widest.min(2.0 * step));
                 if s >= length {
                     break;
                 }
             }
-            Err(error) if step < ADJACENT => return Err(error),
+            Err(error) if step < ADJACENT => {
+                return Err(joint_path.with_axis(arm, error, &joints));
+            }
             Err(_) => step /= 2.0,
         }
     }
@@ -76,20 +85,11 @@ fn step_to(arm: &Arm, path: &JointPath, s: f64, from: &Joints) -> Result<Joints,
     }
 }
 
-/// Checks that all axes end within their ranges, or no farther out than they start. The error names the first axis that
-/// does not, at the place `length`, the end of the path.
-fn check_ranges(arm: &Arm, end: &Joints, start: &Joints, length: f64) -> Result<(), PathError> {
-    for (axis, limits) in arm.limits().iter().enumerate() {
-        let range = limits.position;
-        let (lower, upper) = (range.lower.min(start[axis]), range.upper.max(start[axis]));
-        if !(lower..=upper).contains(&end[axis]) {
-            return Err(PathError {
-                s: length,
-                kind: PathErrorKind::OutOfRange { axis },
-            });
-        }
-    }
-    Ok(())
+/// Checks that all axes are within `ranges` at the place `s` of a path, where the joint positions are `joints` (rad).
+/// The error names the first axis that is not.
+fn check_place(arm: &Arm, ranges: &Ranges, joints: &Joints, s: f64) -> Result<(), PathError> {
+    let kind = first_outside(arm, ranges, joints).map(|axis| PathErrorKind::OutOfRange { axis });
+    kind.map_or(Ok(()), |kind| Err(PathError { s, kind }))
 }
 
 /// Follows a path from its start to its end and checks reach, ranges, configuration and singularities. `start` are

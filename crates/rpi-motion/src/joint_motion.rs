@@ -9,7 +9,7 @@
 
 use crate::node::{USED_JERK_SHARE, USED_SHARE};
 use crate::online::{AxisLimits, MotionOptions, OnlineMotion, Synchronization};
-use crate::verify::allowed_ranges;
+use crate::ranges::allowed_ranges;
 use crate::{Arm, JointState, Joints, MotionError};
 use rpi_kin::state_to_rest::{AxisState, Bounds};
 use rpi_kin::{MAX_AXES, Range};

@@ -3,6 +3,7 @@
 use crate::arm_angle::ArmAngle;
 use crate::path::Path;
 use crate::path_error::{PathError, PathErrorKind};
+use crate::ranges::PATH_MARGIN;
 use crate::{Arm, Joints};
 use rpi_kin::{InverseKinematicsError, Pose};
 
@@ -98,16 +99,25 @@ impl JointPath {
             Some(third) => arm.inverse_with_third_axis(&pose, hint, angle, third),
             None => arm.inverse(&pose, hint, angle),
         };
-        found.map(|(joints, _)| joints).map_err(|error| {
-            let axis = match error {
-                InverseKinematicsError::OutOfLimits => arm.axis_out_of_range(&pose, hint, angle),
-                _ => None,
-            };
-            let kind = axis.map_or(PathErrorKind::NoInverse(error), |axis| {
-                PathErrorKind::OutOfRange { axis }
-            });
-            self.error_at(s, kind)
-        })
+        let joints = found.map(|(joints, _)| joints);
+        joints.map_err(|error| self.error_at(s, PathErrorKind::NoInverse(error)))
+    }
+
+    /// Returns `error` with the axis that would leave its range there, if that is its cause. `hint` are joint positions
+    /// (rad) near to the place. Takes an inverse kinematics of its own, so only for an error that is final.
+    pub(crate) fn with_axis(&self, arm: &Arm, error: PathError, hint: &Joints) -> PathError {
+        let outside = PathErrorKind::NoInverse(InverseKinematicsError::OutOfLimits);
+        let Path::Tool(path) = &self.path else {
+            return error;
+        };
+        if error.kind != outside {
+            return error;
+        }
+        let pose = path.pose(error.s);
+        let angle = self.arm_angle_at(arm, error.s, &pose, hint);
+        let axis = arm.axis_out_of_range(&pose, hint, angle);
+        let kind = axis.map_or(outside, |axis| PathErrorKind::OutOfRange { axis });
+        PathError { kind, ..error }
     }
 
     /// Creates the error `kind` at the position `s` along the path. Places shortly before the start and behind the end,
@@ -181,6 +191,7 @@ impl JointPath {
 
     fn look_at(&mut self, arm: &Arm, s: f64, built: f64) {
         let Path::Tool(path) = &self.path else { return };
+        let arm = &arm.with_margin(PATH_MARGIN);
         let (pose, hint) = (path.pose(s), self.seen.1);
         let angle = self.arm_angle_at(arm, s, &pose, &hint);
         let found = arm.inverse(&pose, &hint, angle);

@@ -13,7 +13,8 @@
 //! was not verified. To pause or to cancel means to make no new plan.
 //!
 //! [`MotionCore`] allocates when it is created. Afterwards nothing allocates or panics, and the work of each cycle is
-//! counted and bounded ([`WorkBudget`]).
+//! counted and bounded ([`WorkBudget`]), but for the set-points of the previous motion, at most 48 in the cycle that plans
+//! a takeover within the bounds of the tool.
 //!
 //! Sources: Lange and Suppa, Trajectory generation for immediate path-accurate jerk-limited stopping of industrial
 //! robots, ICRA 2015; Biagiotti and Melchiorri, Trajectory Planning for Automatic Machines and Robots, 2008; Pham and
@@ -38,6 +39,7 @@ pub mod path;
 pub mod path_error;
 pub mod path_start;
 mod plan;
+pub mod ranges;
 pub mod residual;
 pub mod set_point;
 pub mod speed_limit;

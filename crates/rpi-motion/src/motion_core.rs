@@ -7,17 +7,18 @@ use crate::course::Course;
 use crate::entry::{self, ATTEMPTS};
 use crate::node::Node;
 use crate::path::Path;
-use crate::path_error::PathError;
+use crate::path_error::{PathError, PathErrorKind};
 use crate::plan::{Demand, Planner};
+use crate::ranges::{Ranges, allowed_ranges, extend_around, first_outside, whole_ranges};
 use crate::set_point::{Controls, EntryPreference, MotionError, SetPoint};
 use crate::speed_limit::{SpeedLimit, slower};
 use crate::time_law::{HeldBrake, PathState, REPLAN_PERIOD};
 use crate::tool_trace::ToolTrace;
-use crate::verify::{Verifier, allowed_ranges, extend_ranges};
+use crate::verify::Verifier;
 use crate::work_budget::WorkBudget;
 use crate::{Arm, JointState, Joints};
+use rpi_kin::MAX_AXES;
 use rpi_kin::state_to_rest::Bounds;
-use rpi_kin::{MAX_AXES, Range};
 
 /// Motion core of one arm: it computes the set-points of a motion along a path, cycle by cycle.
 #[derive(Clone, Debug)]
@@ -31,7 +32,7 @@ pub struct MotionCore {
     previous: Course,
     planner: Planner,
     /// Ranges of the axes that the motion keeps, rad.
-    ranges: [Range; MAX_AXES],
+    ranges: Ranges,
     /// Number of the next cycle of the motion, from 0. Its set-point is the one at the time `(cycle + 1) * period`.
     cycle: u64,
     /// Index into [`ATTEMPTS`] of the takeover that is tried next; the length of the list if none is to be tried any
@@ -129,6 +130,12 @@ impl MotionCore {
         };
         spare.table.begin(&self.arm, path, start, requested)?;
         let hint = spare.table.first_node().joints;
+        if let Some(axis) =
+            first_outside(&self.arm, &whole_ranges(&self.arm, &state.position), &hint)
+        {
+            let kind = PathErrorKind::OutOfRange { axis };
+            return Err(PathError { s: 0.0, kind }.into());
+        }
         spare.stand(hint);
         let approach = self.approach_from(state);
         let continues = self.continues(state);
@@ -152,7 +159,7 @@ impl MotionCore {
     fn set_ranges(&mut self, state: &JointState) {
         self.ranges = allowed_ranges(&self.arm, &state.position);
         for end in self.course.table.ends() {
-            extend_ranges(&mut self.ranges, &self.arm, &end);
+            extend_around(&mut self.ranges, &self.arm, &end);
         }
     }
 
@@ -307,21 +314,31 @@ impl MotionCore {
         self.course.path()
     }
 
-    /// Returns the number of nodes that the present cycle may compute: none where it does other work.
+    /// Returns the number of nodes that the present cycle may compute: few or none where a takeover or a time law is
+    /// planned.
     fn nodes_of_cycle(&self) -> usize {
         match self.approach {
             // The takeover has been prepared in this cycle.
             _ if self.cycle == 0 && self.course.residual.end() > 0.0 => 0,
             Some(_) if self.cycle < ENTRY_CYCLE => self.work.nodes_at_takeover,
             Some(approach) if approach.entry.is_none() => 0,
-            None if self.cycle > ENTRY_CYCLE && self.is_planning_cycle() => 0,
+            None if self.cycle >= ENTRY_CYCLE && self.is_planning_cycle() => {
+                match self.cycles_per_plan() {
+                    1 => self.work.nodes / 2,
+                    _ => 0,
+                }
+            }
             _ => self.work.nodes,
         }
     }
 
+    fn cycles_per_plan(&self) -> u64 {
+        libm::ceil(REPLAN_PERIOD / self.period).max(1.0) as u64
+    }
+
     fn is_planning_cycle(&self) -> bool {
-        let every = libm::ceil(REPLAN_PERIOD / self.period).max(1.0) as u64;
-        self.cycle.is_multiple_of(every) || self.attempt > 0 && self.attempt < ATTEMPTS.len()
+        let is_entering = self.attempt > 0 && self.attempt < ATTEMPTS.len();
+        self.cycle.is_multiple_of(self.cycles_per_plan()) || is_entering
     }
 
     fn is_at_end(&self, now: &PathState) -> bool {

@@ -8,7 +8,7 @@ use crate::joint_path::JointPath;
 use crate::node::{MostAllowed, Node, USED_JERK_SHARE, USED_JERK_SHARE_ON_SPLINE, bounds_at};
 use crate::path::{Curvature, Path};
 use crate::path_error::{PathError, PathErrorKind};
-use crate::verify::{RANGE_MARGIN, ranges_with_margin};
+use crate::ranges::{Ranges, first_outside, path_ranges, whole_ranges};
 use crate::window::{Window, widest_spacing};
 use crate::{Arm, Joints};
 use alloc::boxed::Box;
@@ -32,15 +32,8 @@ pub struct NodeTable {
     /// Share of the jerk limits of the axes that plans on this path use.
     jerk_share: f64,
     /// Ranges that the axes keep on the path, rad.
-    ranges: [Range; MAX_AXES],
+    ranges: Ranges,
 }
-
-/// Distance that a path of the tool keeps from the ends of the range of an axis, rad. The arm keeps half of it, so that
-/// it can move on at a place where the path turns back.
-const PATH_MARGIN: f64 = 2.0 * RANGE_MARGIN;
-
-/// Distance by which a joint line may end beyond the range of an axis due to rounding, rad.
-const ROUNDING: f64 = 1e-12;
 
 /// Number of steps by which the arm angle (position of the elbow) is planned ahead when a path begins.
 const FIRST_LOOK: usize = 10;
@@ -95,15 +88,12 @@ impl NodeTable {
                 kind: PathErrorKind::NoLength,
             });
         }
-        self.window = Window::first(arm, &self.path, start)?;
+        let window = Window::first(arm, &self.path, start);
+        self.window = window.map_err(|error| self.path.with_axis(arm, error, start))?;
         self.path.look_ahead(arm, self.window.end(), FIRST_LOOK);
-        let margin = match path {
-            Path::Tool(_) => PATH_MARGIN,
-            Path::Joints(_) => -ROUNDING,
-        };
-        self.ranges = ranges_with_margin(arm, &self.window.joints[2], margin);
+        self.ranges = path_ranges(arm, &path, &self.window.joints[2]);
         self.emit(arm);
-        Ok(())
+        self.error.map_or(Ok(()), Err)
     }
 
     /// Replaces the path of the table by a path without length, on which the arm holds the joint positions `at` (rad).
@@ -113,7 +103,7 @@ impl NodeTable {
         self.path = JointPath::still(Path::joint_line(at, at, arm.axes()));
         self.jerk_share = USED_JERK_SHARE;
         self.window = Window::still(at);
-        self.ranges = ranges_with_margin(arm, at, 0.0);
+        self.ranges = whole_ranges(arm, at);
         self.emit(arm);
     }
 
@@ -209,7 +199,10 @@ impl NodeTable {
             match self.window.advance(arm, &self.path) {
                 Ok(true) => self.emit(arm),
                 Ok(false) => {}
-                Err(error) => self.error = Some(error),
+                Err(error) => {
+                    let last = &self.window.joints[5];
+                    self.error = Some(self.path.with_axis(arm, error, last));
+                }
             }
         }
         made
@@ -271,7 +264,7 @@ impl NodeTable {
             true => self.path.joints_at(arm, length, &here).unwrap_or(here),
             false => here,
         };
-        (0..arm.axes()).find(|axis| !self.ranges[*axis].contains(joints[*axis]))
+        first_outside(arm, &self.ranges, &joints)
     }
 
     /// Returns the nodes before and after the position `s` along the path, and the share (0 to 1) of the distance
@@ -288,7 +281,10 @@ impl NodeTable {
             k -= 1;
         }
         *cursor = k;
-        let (one, other) = (self.node(k), self.node((k + 1).min(self.next - 1)));
+        let (one, other) = (
+            self.node(k),
+            self.node((k + 1).min(self.next.saturating_sub(1))),
+        );
         let width = other.s - one.s;
         let share = if width > 0.0 {
             (s - one.s) / width

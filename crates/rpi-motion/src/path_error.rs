@@ -29,7 +29,7 @@ pub enum PathErrorKind {
     /// The derivatives of the joint positions cannot be computed, because the path is too near to a singularity or a
     /// range limits the arm angle (position of the elbow) abruptly.
     Unresolved {
-        /// Axis whose position bends most along the path there, counted from 0.
+        /// Axis that turns or bends most along the path there, counted from 0.
         axis: usize,
     },
     /// Start and end of the path coincide, and there is no rotation between them.
@@ -43,26 +43,26 @@ impl core::fmt::Display for PathError {
             PathErrorKind::NoInverse(InverseKinematicsError::OutOfReach) => {
                 write!(
                     f,
-                    "the path leaves the reach of the arm {at:.4} m from its start"
+                    "the path leaves the reach of the arm at the position {at:.4} along it"
                 )
             }
             PathErrorKind::NoInverse(_) => write!(
                 f,
-                "an axis would leave its range {at:.4} m from the start of the path"
+                "an axis would leave its range at the position {at:.4} along the path"
             ),
             PathErrorKind::ConfigurationChange { axis } => write!(
                 f,
-                "axis {} would change the configuration {at:.4} m from the start of the path",
+                "axis {} would change the configuration at the position {at:.4} along the path",
                 axis + 1
             ),
             PathErrorKind::OutOfRange { axis } => write!(
                 f,
-                "axis {} would leave its range {at:.4} m from the start of the path",
+                "axis {} would leave its range at the position {at:.4} along the path",
                 axis + 1
             ),
             PathErrorKind::Unresolved { axis } => write!(
                 f,
-                "the path comes too near to a singularity {at:.4} m from its start: axis {} would turn too abruptly",
+                "the path comes too near to a singularity at the position {at:.4} along it: axis {} would turn too abruptly",
                 axis + 1
             ),
             PathErrorKind::NoLength => f.write_str("the path has no length"),

@@ -2,7 +2,7 @@
 
 use crate::joint_path::JointPath;
 use crate::path::Path;
-use crate::verify::allowed_ranges;
+use crate::ranges::allowed_ranges;
 use crate::{Arm, JointState, Joints};
 use rpi_kin::stop_profile::{StopProfile, VelocityState};
 use rpi_kin::{AxisLimits, MAX_AXES};

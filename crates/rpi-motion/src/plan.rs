@@ -282,7 +282,8 @@ impl Planner {
             let law = ahead.time_law(verifier.table, now, time, trial)?;
             verifier.accepts(&law, samples).then_some(law)
         };
-        let is_stopping = time >= held.start_time + held.piece_time
+        let is_stopping = held.stop_bounds.0 > 0.0
+            && time >= held.start_time + held.piece_time
             && now.velocity <= NEARLY * ahead.far.velocity;
         let reserve = match is_stopping {
             true => demand.samples / RESERVE,

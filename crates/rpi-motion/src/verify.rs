@@ -12,12 +12,13 @@
 use crate::node::{Node, USED_SHARE, tool_shares};
 use crate::node_table::NodeTable;
 use crate::path::Curvature;
+use crate::ranges::Ranges;
 use crate::residual::Residual;
 use crate::stop_margin::stopping_distances;
 use crate::time_law::{HeldBrake, PathState};
 use crate::{Arm, Joints};
 use rpi_kin::stop_profile::JerkPhase;
-use rpi_kin::{AxisLimits, MAX_AXES, Range};
+use rpi_kin::{AxisLimits, MAX_AXES};
 
 /// Longest time between two samples of a verification, s.
 const LONGEST_STEP: f64 = 5e-3;
@@ -25,9 +26,6 @@ const LONGEST_STEP: f64 = 5e-3;
 /// Number of samples at which a time law is verified on the coarsest spacing of nodes, in addition to two for each
 /// phase.
 const COARSE_SAMPLES: f64 = 56.0;
-
-/// Distance that motions keep from the ends of the range of an axis, rad.
-pub(crate) const RANGE_MARGIN: f64 = 1e-4;
 
 /// Share of the requested bounds of the tool that is reserved for changes of the curvature between two samples.
 const BETWEEN_SAMPLES: f64 = 1.5e-3;
@@ -44,8 +42,8 @@ pub struct Verifier<'a> {
     pub table: &'a NodeTable,
     /// Residual of the takeover (decaying difference between arm and path), which is added to the path.
     pub residual: &'a Residual,
-    /// Ranges that the axes keep, from [`allowed_ranges`].
-    pub ranges: &'a [Range; MAX_AXES],
+    /// Ranges that the axes keep: those of [`allowed_ranges`](crate::ranges::allowed_ranges), and the ends of the path.
+    pub ranges: &'a Ranges,
 }
 
 /// Progress of a verification: state and time of the motion, and the samples left.
@@ -289,36 +287,4 @@ fn goes_backwards(start: &PathState, phase: &JerkPhase) -> bool {
     let lowest = if inside { turning } else { phase.duration };
     start.advanced(lowest, phase.jerk).velocity < -ROUNDING
         || start.advanced(phase.duration, phase.jerk).velocity < -ROUNDING
-}
-
-/// Returns the ranges that a motion keeps: the ranges of the axes, less a margin. If an axis starts nearer to the end
-/// of its range, or beyond it, its start position is the end: the axis may move back, but not farther out.
-#[must_use]
-pub fn allowed_ranges(arm: &Arm, start: &Joints) -> [Range; MAX_AXES] {
-    ranges_with_margin(arm, start, RANGE_MARGIN)
-}
-
-/// Returns the ranges of the axes, less `margin` (rad), and extended to the joint positions `start` (rad).
-pub(crate) fn ranges_with_margin(arm: &Arm, start: &Joints, margin: f64) -> [Range; MAX_AXES] {
-    let mut ranges = [Range::symmetric(0.0); MAX_AXES];
-    for (axis, limits) in arm.limits().iter().enumerate() {
-        ranges[axis] = extended(limits.position.shrunk(margin), start[axis]);
-    }
-    ranges
-}
-
-/// Extends the ranges that a motion keeps to the places `at` (rad) of its path, as far as they lie within the ranges of
-/// the axes.
-pub(crate) fn extend_ranges(ranges: &mut [Range; MAX_AXES], arm: &Arm, at: &Joints) {
-    for (axis, limits) in arm.limits().iter().enumerate() {
-        let within = at[axis].clamp(limits.position.lower, limits.position.upper);
-        ranges[axis] = extended(ranges[axis], within);
-    }
-}
-
-fn extended(range: Range, place: f64) -> Range {
-    Range {
-        lower: range.lower.min(place - END_TOLERANCE),
-        upper: range.upper.max(place + END_TOLERANCE),
-    }
 }

@@ -81,6 +81,6 @@ fn the_verification_passes_nothing_that_brute_force_refuses() {
     for model in ARMS {
         let worst = looks(model, number("RPI_LOOKS", 5), &mut random);
         println!("{}: {worst}", model.id);
-        assert!(worst > 0.1 && worst <= 1.0, "{}: {worst}", model.id);
+        assert!(worst > 0.1 && worst <= 1.0 + 1e-6, "{}: {worst}", model.id);
     }
 }

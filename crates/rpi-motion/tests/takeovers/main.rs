@@ -8,6 +8,7 @@ mod dropped;
 mod duration;
 mod places;
 mod random;
+mod range_ends;
 mod refusals;
 mod states;
 mod tilted;
@@ -220,18 +221,4 @@ fn takeovers_at_random_moments_keep_every_limit() {
 #[test]
 fn takeovers_in_quick_succession_keep_every_limit() {
     run_chains(number("RPI_TAKEOVERS", 50) / 25, QUICK_CHAIN, few);
-}
-
-/// A path that came within 0.1 mrad of the end of the range of axis 1 passed the check, and the motion, which keeps this
-/// distance, stood before it for ever.
-#[test]
-fn a_path_along_the_end_of_a_range_is_refused_or_followed_to_its_end() {
-    let mut counts = Counts::default();
-    chain(
-        &models::kuka_lbr::IIWA_7,
-        100_517,
-        (CHAIN, any),
-        &mut counts,
-    );
-    assert_eq!((counts.over_limits, counts.not_arrived), (0, 0));
 }

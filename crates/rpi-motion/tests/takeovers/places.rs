@@ -9,7 +9,7 @@ use rpi_kin::state_to_rest::{AxisState, Bounds, StateToRestProfile};
 use rpi_kin::{ArmModel, Pose};
 use rpi_motion::{Arm, Controls, Joints, MotionCore, Path, PathErrorKind, check_path};
 
-const DEFAULT: Bounds = Bounds {
+pub(crate) const DEFAULT: Bounds = Bounds {
     speed: 0.25,
     acceleration: 0.5,
     jerk: 5.0,
@@ -24,7 +24,7 @@ fn moved(from: &Pose, way: Vector3<f64>) -> Pose {
 
 /// Follows a path from rest to its end, within all limits. Returns the duration, s, and whether the arm stood still on the
 /// way.
-fn followed(model: &'static ArmModel, path: Path, start: &Joints) -> (f64, bool) {
+pub(crate) fn followed(model: &'static ArmModel, path: Path, start: &Joints) -> (f64, bool) {
     let arm = Arm::new(model, Pose::identity(), &[]);
     let mut core = MotionCore::new(arm, PERIOD);
     let mut watch = Watch::standing(start);
@@ -149,19 +149,27 @@ fn a_straight_line_takes_as_long_as_its_bounds_and_one_period() {
     }
 }
 
-/// A line along axes to the very end of the range of an axis is followed to its end; beyond, it is refused.
+/// With a period of 4 ms or more, every cycle makes a plan, and must compute nodes all the same.
 #[test]
-fn a_joint_line_reaches_the_end_of_a_range_and_not_beyond() {
-    for model in ARMS {
-        let arm = Arm::new(model, Pose::identity(), &[]);
-        let start = random::joints(model, &mut Random::new(5));
-        let mut end = start;
-        end[0] = model.limits[0].position.upper;
-        let to = |end: &Joints| Path::joint_line(&start, end, arm.axes());
-        check_path(&arm, to(&end), &start, DEFAULT).expect("within the range");
-        followed(model, to(&end), &start);
-        end[0] += 1e-6;
-        let error = check_path(&arm, to(&end), &start, DEFAULT).expect_err("beyond the range");
-        assert_eq!(error.kind, PathErrorKind::OutOfRange { axis: 0 });
+fn long_lines_arrive_at_any_period() {
+    let model = ARMS[1];
+    let arm = Arm::new(model, Pose::identity(), &[]);
+    let start = [0.1, -1.6, 1.9, 0.2, 0.6, 0.1, 0.0];
+    let from = arm.forward(&start);
+    let path = Path::line(&from, &moved(&from, Vector3::new(0.0, 0.4, 0.0)));
+    for period in [5e-4, 2e-3, 4e-3, 8e-3] {
+        let mut core = MotionCore::new(arm, period);
+        let state = rpi_motion::JointState::at_rest(start);
+        core.begin(path, &state, DEFAULT).expect("reachable");
+        let cycles = (1..).find(|_| {
+            let at = core.next_set_point(Controls::default());
+            at.expect("on the path").done
+        });
+        let duration = cycles.map_or(0.0, |cycles| f64::from(cycles) * period);
+        println!("period {period} s: {duration} s");
+        assert!(
+            (2.2..2.4).contains(&duration),
+            "period {period}: {duration}"
+        );
     }
 }
