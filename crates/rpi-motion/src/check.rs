@@ -47,15 +47,15 @@ pub fn scan_path(arm: &Arm, path: &Path, start: &Joints) -> Result<(), PathError
         return check_place(arm, &path_ranges(arm, path, start), &end, length);
     }
     let (joint_path, widest) = (JointPath::new(arm, *path, start), length / STEPS);
-    let ranges = path_ranges(arm, path, start);
+    let (ranges, mut outside) = (path_ranges(arm, path, start), None);
     let (mut s, mut joints, mut step) = (0.0, *start, widest);
     for _ in 0..PLACES {
         let next = (s + step).min(length);
         match step_to(arm, &joint_path, next, &joints) {
             Ok(found) => {
                 // A redundant arm can change its arm angle before an axis comes near to the end of its range.
-                if !joint_path.is_redundant() {
-                    check_place(arm, &ranges, &found, next)?;
+                if !joint_path.is_redundant() && outside.is_none() {
+                    outside = check_place(arm, &ranges, &found, next).err();
                 }
                 (s, joints, step) = (next, found, widest.min(2.0 * step));
                 if s >= length {
@@ -63,12 +63,22 @@ pub fn scan_path(arm: &Arm, path: &Path, start: &Joints) -> Result<(), PathError
                 }
             }
             Err(error) if step < ADJACENT => {
-                return Err(joint_path.with_axis(arm, error, &joints));
+                let error = joint_path.with_axis(arm, error, &joints);
+                return Err(earlier(outside, error));
             }
             Err(_) => step /= 2.0,
         }
     }
-    Ok(())
+    outside.map_or(Ok(()), Err)
+}
+
+/// Returns the error to report if a path first leads out of a range and then fails with `error`: the first one, except
+/// where the arm would have to change its configuration because of the range.
+fn earlier(outside: Option<PathError>, error: PathError) -> PathError {
+    match error.kind {
+        PathErrorKind::ConfigurationChange { .. } => error,
+        _ => outside.unwrap_or(error),
+    }
 }
 
 /// Returns the joint positions (rad) at the place `s` of the path, near to `from` (rad). A large change of an axis is

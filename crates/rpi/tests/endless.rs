@@ -5,7 +5,7 @@ use std::process::{Command, Stdio};
 use std::time::Duration;
 
 /// Digest of a minute of the arm: the same in every build, on every machine.
-const MINUTE: &str = "2d0dc88d1c76e7e2";
+const MINUTE: &str = "8d1185c227d8858b";
 
 /// Writes the example with its nine rounds made endless.
 fn endless(folder: &Path) -> std::path::PathBuf {
