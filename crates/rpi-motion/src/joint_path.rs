@@ -39,6 +39,10 @@ pub struct JointPath {
     seen: (f64, Joints),
 }
 
+/// Distance from the ends of the ranges (rad) that places shortly before the start of a path and behind its end may
+/// have: derivatives at an end need them, but the arm is never there.
+const BEYOND: f64 = 0.1;
+
 impl JointPath {
     /// Creates a path in joint space that begins with the arm angle of the joint positions `start` (rad).
     #[must_use]
@@ -92,6 +96,14 @@ impl JointPath {
         let path = match &self.path {
             Path::Joints(line) => return Ok(line.joints(s)),
             Path::Tool(path) => path,
+        };
+        let wider;
+        let arm = match (0.0..=path.length()).contains(&s) {
+            true => arm,
+            false => {
+                wider = arm.with_margin(-BEYOND);
+                &wider
+            }
         };
         let pose = path.pose(s);
         let angle = self.arm_angle_at(arm, s, &pose, hint);

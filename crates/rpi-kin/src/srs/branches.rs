@@ -23,6 +23,13 @@ impl Branch {
         Self(7),
     ];
 
+    /// Returns the branch to which these canonical angles (rad) belong: that of the senses of their bends.
+    #[must_use]
+    pub fn of(joints: &Joints) -> Self {
+        let negative = |axis: usize, bit: u8| if joints[axis] < 0.0 { bit } else { 0 };
+        Self(negative(1, 1) | negative(3, 2) | negative(5, 4))
+    }
+
     /// Returns the index of the branch in [`ALL`](Self::ALL), from 0 to 7.
     #[must_use]
     pub const fn index(self) -> usize {

@@ -196,13 +196,17 @@ impl<'a> Search<'a> {
             let joints = branch.apply(&first);
             core::array::from_fn(|axis| nearest_turn(joints[axis], hint[axis]))
         };
-        let (branch, joints) = nearest(
-            Branch::ALL
-                .map(|branch| (branch, turned(branch)))
-                .into_iter(),
-            hint,
-        )
-        .unwrap_or((Branch::ALL[0], first));
+        let of_hint = Branch::of(hint);
+        let (branch, joints) = match turned(of_hint) {
+            joints if distance(&joints, hint) < SURELY_NEAREST => (of_hint, joints),
+            _ => nearest(
+                Branch::ALL
+                    .map(|branch| (branch, turned(branch)))
+                    .into_iter(),
+                hint,
+            )
+            .unwrap_or((Branch::ALL[0], first)),
+        };
         let nearest = Solution {
             joints,
             arm_angle: kept.angle(),
@@ -309,19 +313,24 @@ impl<'a> Search<'a> {
     }
 }
 
+/// Distance of a solution from the hint, rad, below which it is the nearest of all: every other branch has an axis that is
+/// turned by half a turn, and so is at least half a turn less this distance away. The rest is for rounding.
+const SURELY_NEAREST: f64 = HALF_TURN / 2.0 - 1e-6;
+
+/// Returns the largest difference of a joint (rad) between two sets of joint values.
+fn distance(joints: &Joints, hint: &Joints) -> f64 {
+    let differences = joints
+        .iter()
+        .zip(hint)
+        .map(|(joint, hint)| (joint - hint).abs());
+    differences.fold(0.0, f64::max)
+}
+
 /// Returns the candidate whose joint values have the smallest distance from `hint` (largest difference of a joint,
 /// rad); the first one of several equal ones.
 fn nearest(
     candidates: impl Iterator<Item = (Branch, Joints)>,
     hint: &Joints,
 ) -> Option<(Branch, Joints)> {
-    let distance = |joints: &Joints| {
-        joints
-            .iter()
-            .zip(hint)
-            .fold(0.0_f64, |largest, (joint, hint)| {
-                largest.max((joint - hint).abs())
-            })
-    };
-    candidates.min_by(|(_, one), (_, other)| distance(one).total_cmp(&distance(other)))
+    candidates.min_by(|(_, one), (_, other)| distance(one, hint).total_cmp(&distance(other, hint)))
 }

@@ -19,7 +19,7 @@ use rpi_kin::state_to_rest::Bounds;
 use rpi_kin::{ArmModel, Pose, models};
 use rpi_motion::{Arm, Controls, JointState, Joints, MotionCore, Path, check_path, path_start};
 use rpi_testkit::no_alloc;
-use watch::{PERIOD, Watch};
+use watch::{PERIOD, ToolWatch, Watch};
 
 rpi_testkit::trap_allocations!();
 
@@ -64,6 +64,8 @@ struct Counts {
     within_tool_bounds: usize,
     worst: [f64; 3],
     deviation: f64,
+    /// Largest speed, acceleration and jerk of the tool on a path, as shares of the requested ones.
+    tool: [f64; 3],
 }
 
 /// A motion that is to take over: its path, the joints at its start, and the bounds of the tool.
@@ -137,7 +139,14 @@ fn chain(
             true => 60_000,
             false => wait(&mut random),
         };
-        let arrived = run(&mut core, &arm, &path, &mut watch, cycles, counts);
+        let arrived = run(
+            &mut core,
+            &arm,
+            (&path, requested),
+            &mut watch,
+            cycles,
+            counts,
+        );
         state = no_alloc(|| core.state());
         if number + 1 == length && !arrived {
             counts.not_arrived += 1;
@@ -164,12 +173,13 @@ fn chain(
 fn run(
     core: &mut MotionCore,
     arm: &Arm,
-    path: &Path,
+    (path, requested): (&Path, Bounds),
     watch: &mut Watch,
     cycles: usize,
     counts: &mut Counts,
 ) -> bool {
     let mut was_on_path = false;
+    let mut tool = ToolWatch::default();
     for time in 0..cycles {
         let at =
             no_alloc(|| core.next_set_point(Controls::default())).expect("the path was checked");
@@ -180,6 +190,10 @@ fn run(
             let off = arm.forward(&at.joints).translation.vector
                 - path.pose(at.path.s).translation.vector;
             counts.deviation = counts.deviation.max(off.norm());
+            tool.push(arm.forward(&at.joints).translation.vector);
+            for (worst, share) in counts.tool.iter_mut().zip(tool.shares(requested)) {
+                *worst = worst.max(share);
+            }
         }
         if at.on_path && !was_on_path {
             was_on_path = true;
@@ -209,6 +223,9 @@ fn run_chains(chains: u64, length: usize, wait: Cycles) {
             model.id
         );
         assert!(counts.deviation < 1e-9, "{}: {counts:?}", model.id);
+        // On splines, the curvature bends between the nodes at which the jerk of the tool is verified.
+        let is_within = counts.tool.iter().all(|share| *share < 1.01);
+        assert!(is_within, "{}: {counts:?}", model.id);
         assert!(counts.takeovers > 0);
     }
 }

@@ -1,6 +1,8 @@
 //! Watches set-points as a controller does: backward differences of each axis against its limits.
 #![allow(dead_code, reason = "each test target uses a part")]
 
+use nalgebra::Vector3;
+use rpi_kin::state_to_rest::Bounds;
 use rpi_motion::{Arm, JointState, Joints};
 
 pub(crate) const PERIOD: f64 = 1e-3;
@@ -63,5 +65,33 @@ impl Watch {
     /// Limits are kept up to a millionth.
     pub(crate) fn is_within(&self) -> bool {
         !self.out_of_range && self.worst.iter().all(|worst| *worst <= 1.0 + 1e-6)
+    }
+}
+
+/// Watches the tool along a path by the backward differences of its places, m.
+#[derive(Default)]
+pub(crate) struct ToolWatch {
+    last: [Vector3<f64>; 4],
+    count: usize,
+}
+
+impl ToolWatch {
+    pub(crate) fn push(&mut self, place: Vector3<f64>) {
+        self.last.rotate_left(1);
+        self.last[3] = place;
+        self.count += 1;
+    }
+
+    /// Speed, acceleration and jerk of the tool as shares of the requested ones; 0 before four places are known.
+    pub(crate) fn shares(&self, requested: Bounds) -> [f64; 3] {
+        if self.count < self.last.len() {
+            return [0.0; 3];
+        }
+        let [a, b, c, d] = &self.last;
+        [
+            (d - c).norm() / PERIOD / requested.speed,
+            (d - c * 2.0 + b).norm() / (PERIOD * PERIOD) / requested.acceleration,
+            (d - (c - b) * 3.0 - a).norm() / (PERIOD * PERIOD * PERIOD) / requested.jerk,
+        ]
     }
 }
