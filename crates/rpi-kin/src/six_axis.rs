@@ -51,7 +51,8 @@ fn moved_into_range(joints: &Joints, hint: &Joints, ranges: &[Range; 6]) -> Opti
     Some(turned)
 }
 
-fn distance(joints: &Joints, hint: &Joints) -> f64 {
+/// Returns the largest difference of a joint (rad) between two sets of joint values.
+pub(crate) fn distance(joints: &[f64], hint: &[f64]) -> f64 {
     let differences = joints
         .iter()
         .zip(hint)

@@ -2,7 +2,7 @@
 
 use crate::Joints;
 use rpi_kin::angle::nearest_turn;
-use rpi_kin::{ArmModel, AxisLimits, InverseKinematicsError, MAX_AXES, Pose, Range};
+use rpi_kin::{ArmModel, AxisLimits, InverseKinematicsError, MAX_AXES, Pose};
 
 /// Model of an arm with the tool that it holds and the limits of its axes.
 #[derive(Clone, Copy, Debug)]
@@ -136,20 +136,13 @@ impl Arm {
         hint: &Joints,
         arm_angle: f64,
     ) -> Option<usize> {
-        let mut free = self.limits;
-        for limits in &mut free {
-            limits.position = Range::symmetric(UNLIMITED);
-        }
-        let (flange, axes) = (tool * self.tool_inverse, self.axes());
-        let found =
-            self.model
-                .inverse_at_arm_angle(&flange, &hint[..axes], arm_angle, &free[..axes]);
-        let (joints, _) = found.ok()?;
-        (0..axes).find(|axis| !self.limits[*axis].position.contains(joints[*axis]))
+        let free = self.with_margin(-UNLIMITED);
+        let (joints, _) = free.inverse(tool, hint, arm_angle).ok()?;
+        (0..self.axes()).find(|axis| !self.limits[*axis].position.contains(joints[*axis]))
     }
 }
 
-/// Half of a range so wide that it does not limit an axis, rad.
+/// Distance beyond the ends of its range up to which an axis is not limited, rad.
 const UNLIMITED: f64 = 4.0 * core::f64::consts::PI;
 
 /// Maximum difference of axis 3 from its intended value that counts as rounding where the upper arm is nearly upright,

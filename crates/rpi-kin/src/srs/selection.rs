@@ -17,6 +17,7 @@ use super::branches::{Branch, first_branch};
 use super::elbow::{ElbowCircle, ElbowPosition};
 use super::{ElbowTriangle, Geometry, Joints};
 use crate::angle::{HALF_TURN, SinCos, nearest_turn, turn_within, wrap};
+use crate::six_axis::distance;
 use crate::{InverseKinematicsError, Range, Transform};
 
 /// Distance from a limit, in rad, at which a joint is placed that would be exactly at the limit: larger than rounding
@@ -316,15 +317,6 @@ impl<'a> Search<'a> {
 /// Distance of a solution from the hint, rad, below which it is the nearest of all: every other branch has an axis that is
 /// turned by half a turn, and so is at least half a turn less this distance away. The rest is for rounding.
 const SURELY_NEAREST: f64 = HALF_TURN / 2.0 - 1e-6;
-
-/// Returns the largest difference of a joint (rad) between two sets of joint values.
-fn distance(joints: &Joints, hint: &Joints) -> f64 {
-    let differences = joints
-        .iter()
-        .zip(hint)
-        .map(|(joint, hint)| (joint - hint).abs());
-    differences.fold(0.0, f64::max)
-}
 
 /// Returns the candidate whose joint values have the smallest distance from `hint` (largest difference of a joint,
 /// rad); the first one of several equal ones.

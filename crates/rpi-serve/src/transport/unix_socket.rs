@@ -30,7 +30,7 @@ pub(crate) fn bind(path: &Path, mode: Option<u32>) -> io::Result<UnixListener> {
     bound.set_nonblocking(true)?;
     if let Some(mode) = mode {
         fs::set_permissions(path, fs::Permissions::from_mode(mode & 0o777))?;
-        // Whoever connected before had the permissions of a new file.
+        // A client that connected earlier had the permissions of a new file.
         while bound.accept().is_ok() {}
     }
     Ok(bound)
