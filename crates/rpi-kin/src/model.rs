@@ -2,7 +2,7 @@
 
 use crate::damped::DampedLeastSquares;
 use crate::six_axis;
-use crate::{AxisLimits, Chain, InverseKinematicsError, Pose, to_pose, to_transform};
+use crate::{AxisLimits, Chain, InverseKinematicsError, Pose, Range, to_pose, to_transform};
 use crate::{opw, srs, ur};
 
 /// Maximum number of axes of an arm model.
@@ -96,10 +96,14 @@ impl ArmModel {
                 Ok(choice.joints)
             }
             InverseKinematics::Opw(geometry) => {
-                solve_six_axis(hint, limits, |hint| geometry.solutions(&flange, hint))
+                solve_six_axis(hint, limits, |hint, ranges| {
+                    geometry.nearest_solution(&flange, hint, ranges)
+                })
             }
             InverseKinematics::Ur(geometry) => {
-                solve_six_axis(hint, limits, |hint| geometry.solutions(&flange, hint))
+                solve_six_axis(hint, limits, |hint, ranges| {
+                    geometry.nearest_solution(&flange, hint, ranges)
+                })
             }
             InverseKinematics::DampedLeastSquares { held_axis } => DampedLeastSquares {
                 chain: &self.chain,
@@ -216,16 +220,19 @@ impl ArmModel {
     }
 }
 
-/// Returns the solution of a six-axis arm nearest to `hint` (rad) within the ranges of `limits`. `solve` computes all
-/// solutions, with joint values that the pose leaves open taken from its argument, the hint.
+/// Returns the solution of a six-axis arm nearest to `hint` (rad) within the ranges of `limits`. `solve` computes it
+/// from the hint and the ranges.
 fn solve_six_axis(
     hint: &[f64],
     limits: &[AxisLimits],
-    solve: impl FnOnce(&six_axis::Joints) -> Result<six_axis::Solutions, InverseKinematicsError>,
+    solve: impl FnOnce(
+        &six_axis::Joints,
+        &[Range; 6],
+    ) -> Result<six_axis::Joints, InverseKinematicsError>,
 ) -> Result<[f64; MAX_AXES], InverseKinematicsError> {
     let hint = first_n(hint)?;
     let ranges = first_n(limits)?.map(|axis: AxisLimits| axis.position);
-    let chosen = six_axis::choose_nearest(&solve(&hint)?, &hint, &ranges)?;
+    let chosen = solve(&hint, &ranges)?;
     let mut joints = [0.0; MAX_AXES];
     joints[..6].copy_from_slice(&chosen);
     Ok(joints)

@@ -4,12 +4,11 @@
 //! of the parameters: Brandstötter, Angerer, Hofbaur, An analytical solution of the inverse kinematics problem of
 //! industrial serial manipulators with an ortho-parallel basis and a spherical wrist, Austrian Robotics Workshop 2014.
 
-use crate::Link;
 use crate::angle::{HALF_TURN, SinCos};
 use crate::chain::LinkTwist;
-use crate::six_axis::{Joints, MISSING, Solutions, elbow_bends};
+use crate::six_axis::{Joints, MISSING, NearestSearch, Solutions, elbow_bends, nearest_first, reason_for_none};
 use crate::spherical_joint::{self, SphericalJoint};
-use crate::{InverseKinematicsError, Transform};
+use crate::{InverseKinematicsError, Link, Range, Transform};
 use core::f64::consts::FRAC_PI_2;
 use nalgebra::Vector3;
 
@@ -64,23 +63,77 @@ impl Geometry {
         flange: &Transform,
         hint: &Joints,
     ) -> Result<Solutions, InverseKinematicsError> {
+        Ok(self.every_solution(&self.target(flange, hint)?))
+    }
+
+    /// Returns the solution for a pose of the flange in the base frame that is nearest to `hint` (rad) with all joints
+    /// in `ranges` (rad): the same as the nearest of [`solutions`](Self::solutions). The distance is the largest
+    /// difference of a joint.
+    ///
+    /// # Errors
+    /// [`InverseKinematicsError::NotFinite`] if the pose or the hint is not finite,
+    /// [`InverseKinematicsError::OutOfReach`] if there is no solution, [`InverseKinematicsError::OutOfLimits`] if no
+    /// solution is in range.
+    pub fn nearest_solution(
+        &self,
+        flange: &Transform,
+        hint: &Joints,
+        ranges: &[Range; 6],
+    ) -> Result<Joints, InverseKinematicsError> {
+        let target = self.target(flange, hint)?;
+        let mut search = NearestSearch::new(hint, ranges)?;
+        let arms = self.arm_angles(&target.wrist);
+        let bounds = arms.map(|arm| {
+            let joints = (0..3).map(|axis| (axis, self.joint(axis, arm[axis])));
+            joints.fold(0.0, |bound, (axis, joint)| {
+                search.lower_bound(bound, axis, joint)
+            })
+        });
+        for pair in nearest_first(&bounds) {
+            if !search.may_be_nearest(bounds[pair]) {
+                break;
+            }
+            let [one, other] = self.both_wrists(&target, arms[pair]);
+            search.offer(2 * pair, &one);
+            search.offer(2 * pair + 1, &other);
+        }
+        let reason = || reason_for_none(&self.every_solution(&target));
+        search.nearest().ok_or_else(reason)
+    }
+
+    fn every_solution(&self, target: &Target) -> Solutions {
+        let mut solutions = [MISSING; 8];
+        for (pair, arm) in self.arm_angles(&target.wrist).into_iter().enumerate() {
+            let both = self.both_wrists(target, arm);
+            solutions[2 * pair..][..2].copy_from_slice(&both);
+        }
+        solutions
+    }
+
+    fn target(&self, flange: &Transform, hint: &Joints) -> Result<Target, InverseKinematicsError> {
         let rotation = flange.rotation.matrix();
         if !(flange.translation.vector.iter().chain(rotation.iter())).all(|entry| entry.is_finite())
         {
             return Err(InverseKinematicsError::NotFinite);
         }
-        let wrist: Vector3<f64> = flange.translation.vector - rotation.column(2) * self.c4;
-        let open = self.sense[3] * hint[3] + self.offset[3];
-        let mut solutions = [MISSING; 8];
-        for (pair, [p1, p2, p3]) in self.arm_angles(&wrist).into_iter().enumerate() {
-            let forearm = SphericalJoint::new(p1, p2 + p3);
-            let seen = |column: usize| forearm.inverse_rotate(&rotation.column(column).into());
-            let [p4, p5, p6] = spherical_joint::zyz_angles(&seen(0), &seen(2), open);
-            solutions[2 * pair] = self.joints([p1, p2, p3, p4, p5, p6]);
-            solutions[2 * pair + 1] =
-                self.joints([p1, p2, p3, p4 + HALF_TURN, -p5, p6 + HALF_TURN]);
-        }
-        Ok(solutions)
+        Ok(Target {
+            x: rotation.column(0).into(),
+            z: rotation.column(2).into(),
+            wrist: flange.translation.vector - rotation.column(2) * self.c4,
+            open: self.sense[3] * hint[3] + self.offset[3],
+        })
+    }
+
+    /// Returns the joint values (rad) of the two solutions with these angles of axes 1 to 3 (rad).
+    fn both_wrists(&self, target: &Target, [p1, p2, p3]: [f64; 3]) -> [Joints; 2] {
+        let forearm = SphericalJoint::new(p1, p2 + p3);
+        let (x, z) = (
+            forearm.inverse_rotate(&target.x),
+            forearm.inverse_rotate(&target.z),
+        );
+        let [p4, p5, p6] = spherical_joint::zyz_angles(&x, &z, target.open);
+        let other = [p1, p2, p3, p4 + HALF_TURN, -p5, p6 + HALF_TURN];
+        [[p1, p2, p3, p4, p5, p6], other].map(|angles| self.joints(angles))
     }
 
     /// Returns the angles of axes 1 to 3 (rad, zero in the upright position) for a position of the wrist centre in the
@@ -95,25 +148,38 @@ impl Geometry {
         let fore = libm::sqrt(self.a2 * self.a2 + self.c3 * self.c3);
         let back = libm::atan2(self.a2, self.c3);
         let up = wrist.z - self.c1;
-        let sides = [
-            (towards - aside, level - self.a1),
-            (towards + aside + HALF_TURN, -level - self.a1),
-        ];
-        let arm = |(p1, out): (f64, f64), elbow: usize| {
-            let bend = elbow_bends(self.c2, fore, out * out + up * up)[elbow];
+        let both_elbows = |p1: f64, out: f64| {
+            let [bend, _] = elbow_bends(self.c2, fore, out * out + up * up);
             let SinCos { sin, cos } = SinCos::from_angle(bend);
-            let p2 = libm::atan2(out, up) - libm::atan2(fore * sin, self.c2 + fore * cos);
-            [p1, p2, bend - back]
+            let line = libm::atan2(out, up);
+            let from_line = libm::atan2(fore * sin, self.c2 + fore * cos);
+            [
+                [p1, line - from_line, bend - back],
+                [p1, line + from_line, -bend - back],
+            ]
         };
-        [
-            arm(sides[0], 0),
-            arm(sides[0], 1),
-            arm(sides[1], 0),
-            arm(sides[1], 1),
-        ]
+        let [front_up, front_down] = both_elbows(towards - aside, level - self.a1);
+        let [back_up, back_down] = both_elbows(towards + aside + HALF_TURN, -level - self.a1);
+        [front_up, front_down, back_up, back_down]
     }
 
     fn joints(&self, canonical: Joints) -> Joints {
-        core::array::from_fn(|axis| self.sense[axis] * (canonical[axis] - self.offset[axis]))
+        core::array::from_fn(|axis| self.joint(axis, canonical[axis]))
     }
+
+    fn joint(&self, axis: usize, canonical: f64) -> f64 {
+        self.sense[axis] * (canonical - self.offset[axis])
+    }
+}
+
+/// What a solution must reach, in the base frame.
+struct Target {
+    /// Direction of the x-axis of the flange.
+    x: Vector3<f64>,
+    /// Direction of the z-axis of the flange.
+    z: Vector3<f64>,
+    /// Position of the wrist centre, m.
+    wrist: Vector3<f64>,
+    /// Angle of axis 4 (rad) where the pose does not determine it.
+    open: f64,
 }

@@ -1,4 +1,4 @@
-//! Common parts of the closed forms for six-axis arms: up to eight solutions, and the choice by a hint.
+//! Common parts of the closed forms for six-axis arms: up to eight solutions, and the choice of one near to a hint.
 
 use crate::angle::{SinCos, turn_within};
 use crate::{InverseKinematicsError, Range};
@@ -15,32 +15,99 @@ pub(crate) const MISSING: Joints = [f64::NAN; 6];
 /// Tolerance by which rounding may raise a cosine above 1 (no unit). It moves the flange by less than 1e-9 m.
 const REACH_TOLERANCE: f64 = 1e-9;
 
-/// Returns the solution nearest to `hint` (rad) with all joints in `ranges`. The distance is the largest difference of
-/// a joint; each joint is first moved by full turns to the value in its range nearest to the hint.
+/// Search for the solution nearest to a hint with all joints in range, among solutions that are computed one at a time.
 ///
-/// # Errors
-/// [`InverseKinematicsError::NotFinite`] if a hint is NaN or infinite, [`InverseKinematicsError::OutOfReach`] if there is no solution,
-/// [`InverseKinematicsError::OutOfLimits`] if no solution is in range.
-pub fn choose_nearest(
-    solutions: &Solutions,
-    hint: &Joints,
-    ranges: &[Range; 6],
-) -> Result<Joints, InverseKinematicsError> {
-    if hint.iter().any(|joint| !joint.is_finite()) {
-        return Err(InverseKinematicsError::NotFinite);
+/// The distance is the largest difference of a joint; each joint is first moved by full turns to the value in its range
+/// nearest to the hint. So the difference of the joints known so far is a lower bound, and a solution that cannot be
+/// nearer than the best one need not be completed. Of equally near solutions, the one with the lowest index is chosen.
+pub(crate) struct NearestSearch<'a> {
+    hint: &'a Joints,
+    ranges: &'a [Range; 6],
+    nearest: Option<Candidate>,
+}
+
+struct Candidate {
+    distance: f64,
+    index: usize,
+    joints: Joints,
+}
+
+impl<'a> NearestSearch<'a> {
+    /// Starts a search near `hint` (rad) for joints in `ranges`.
+    ///
+    /// # Errors
+    /// [`InverseKinematicsError::NotFinite`] if a joint of the hint is NaN or infinite.
+    pub(crate) fn new(
+        hint: &'a Joints,
+        ranges: &'a [Range; 6],
+    ) -> Result<Self, InverseKinematicsError> {
+        if hint.iter().any(|joint| !joint.is_finite()) {
+            return Err(InverseKinematicsError::NotFinite);
+        }
+        Ok(Self {
+            hint,
+            ranges,
+            nearest: None,
+        })
     }
-    let mut existing = solutions
-        .iter()
-        .filter(|joints| joints.iter().all(|joint| joint.is_finite()))
-        .peekable();
-    // The two errors differ for users: a pose without any solution is too far away, a pose with one needs other limits.
-    if existing.peek().is_none() {
-        return Err(InverseKinematicsError::OutOfReach);
+
+    /// Returns the difference of one joint from the hint (rad), at least `bound`; infinite if the joint does not exist
+    /// (NaN) or has no value in its range.
+    pub(crate) fn lower_bound(&self, bound: f64, axis: usize, joint: f64) -> f64 {
+        match turn_within(joint, self.hint[axis], self.ranges[axis]) {
+            Some(turned) => bound.max((turned - self.hint[axis]).abs()),
+            None => f64::INFINITY,
+        }
     }
-    let fitting = existing.filter_map(|joints| moved_into_range(joints, hint, ranges));
-    let nearest =
-        fitting.min_by(|one, other| distance(one, hint).total_cmp(&distance(other, hint)));
-    nearest.ok_or(InverseKinematicsError::OutOfLimits)
+
+    /// Returns whether a solution with this lower bound of its distance (rad) may be chosen.
+    pub(crate) fn may_be_nearest(&self, bound: f64) -> bool {
+        match &self.nearest {
+            // Not `<`: of equally near solutions, the index decides.
+            Some(nearest) => bound <= nearest.distance,
+            None => bound < f64::INFINITY,
+        }
+    }
+
+    /// Takes a solution into account, which has this index among the eight.
+    pub(crate) fn offer(&mut self, index: usize, joints: &Joints) {
+        let Some(joints) = moved_into_range(joints, self.hint, self.ranges) else {
+            return;
+        };
+        let distance = distance(&joints, self.hint);
+        let is_nearer = self.nearest.as_ref().is_none_or(|nearest| {
+            distance < nearest.distance || (distance == nearest.distance && index < nearest.index)
+        });
+        if is_nearer {
+            self.nearest = Some(Candidate {
+                distance,
+                index,
+                joints,
+            });
+        }
+    }
+
+    /// Returns the chosen solution (rad); `None` if no solution is in range.
+    pub(crate) fn nearest(self) -> Option<Joints> {
+        self.nearest.map(|nearest| nearest.joints)
+    }
+}
+
+/// Returns why none of all solutions for a pose can be chosen. The two errors differ for users: a pose without any
+/// solution is too far away, a pose with one needs other limits.
+pub(crate) fn reason_for_none(all: &Solutions) -> InverseKinematicsError {
+    let exists = |joints: &Joints| joints.iter().all(|joint| joint.is_finite());
+    match all.iter().any(exists) {
+        true => InverseKinematicsError::OutOfLimits,
+        false => InverseKinematicsError::OutOfReach,
+    }
+}
+
+/// Returns the indices of these distances, nearest first.
+pub(crate) fn nearest_first<const N: usize>(distances: &[f64; N]) -> [usize; N] {
+    let mut order = core::array::from_fn(|index| index);
+    order.sort_unstable_by(|a, b| distances[*a].total_cmp(&distances[*b]));
+    order
 }
 
 fn moved_into_range(joints: &Joints, hint: &Joints, ranges: &[Range; 6]) -> Option<Joints> {

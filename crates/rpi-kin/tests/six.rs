@@ -3,11 +3,11 @@
 mod common;
 
 use common::{Random, distance, largest};
-use rpi_kin::angle::wrap;
+use rpi_kin::angle::{turn_within, wrap};
 use rpi_kin::model::InverseKinematics;
 use rpi_kin::models::{kuka_kr, universal_robots};
 use rpi_kin::six_axis::{Joints, Solutions};
-use rpi_kin::{ArmModel, InverseKinematicsError, to_transform};
+use rpi_kin::{ArmModel, AxisLimits, InverseKinematicsError, Range, to_transform};
 
 const ARMS: [&ArmModel; 3] = [
     &kuka_kr::KR_6_R900,
@@ -17,7 +17,7 @@ const ARMS: [&ArmModel; 3] = [
 const EXACT: f64 = 1e-9;
 
 fn solutions(arm: &ArmModel, joints: &Joints, hint: &Joints) -> Solutions {
-    let flange = arm.chain.flange_pose(joints);
+    let flange = to_transform(&arm.forward(joints));
     match arm.inverse {
         InverseKinematics::Opw(geometry) => geometry.solutions(&flange, hint),
         InverseKinematics::Ur(geometry) => geometry.solutions(&flange, hint),
@@ -95,6 +95,49 @@ fn results_are_in_range_from_any_hint() {
                 "{}: {found:?}",
                 arm.id
             );
+        }
+    }
+}
+
+/// Returns the solution nearest to `hint` among all of them, by its definition.
+fn nearest_of_all(all: &Solutions, hint: &Joints, limits: &[AxisLimits]) -> Option<Joints> {
+    let turned = all.iter().filter_map(|joints| {
+        let mut turned = *joints;
+        for (axis, joint) in turned.iter_mut().enumerate() {
+            *joint = turn_within(*joint, hint[axis], limits[axis].position)?;
+        }
+        Some(turned)
+    });
+    turned.min_by(|a, b| largest(a, hint).total_cmp(&largest(b, hint)))
+}
+
+#[test]
+fn the_chosen_solution_is_the_nearest_of_all() {
+    let mut random = Random(14);
+    for arm in ARMS {
+        for round in 0..30_000 {
+            let joints: Joints = random.joints(arm.limits);
+            let mut hint: Joints = random.joints(arm.limits);
+            if round % 3 == 0 {
+                hint = core::array::from_fn(|axis| joints[axis] + 1e-3 * hint[axis]);
+            }
+            // Ranges of any width, so that some poses have no solution within them.
+            let limits: Vec<AxisLimits> = (arm.limits.iter().zip(joints))
+                .map(|(axis, joint)| {
+                    let upper = joint + 3.0 * f64::from(round % 7) * (hint[0].abs() - 0.1);
+                    let position = match round % 5 {
+                        0 => Range { lower: joint - 1.0, upper },
+                        _ => axis.position,
+                    };
+                    AxisLimits { position, ..*axis }
+                })
+                .collect();
+            let all = solutions(arm, &joints, &hint);
+            let expected = nearest_of_all(&all, &hint, &limits);
+            let found = arm.inverse(&arm.forward(&joints), &hint, &limits);
+            let found = found.map(|found| core::array::from_fn(|axis| found[axis]));
+            let expected = expected.ok_or(InverseKinematicsError::OutOfLimits);
+            assert_eq!(found, expected, "{} at {joints:?} from {hint:?}", arm.id);
         }
     }
 }
