@@ -95,16 +95,12 @@ impl ArmModel {
                 let choice = geometry.inverse_with_elbow(&flange, &hint, &elbow, &ranges)?;
                 Ok(choice.joints)
             }
-            InverseKinematics::Opw(geometry) => {
-                solve_six_axis(hint, limits, |hint, ranges| {
-                    geometry.nearest_solution(&flange, hint, ranges)
-                })
-            }
-            InverseKinematics::Ur(geometry) => {
-                solve_six_axis(hint, limits, |hint, ranges| {
-                    geometry.nearest_solution(&flange, hint, ranges)
-                })
-            }
+            InverseKinematics::Opw(geometry) => solve_six_axis(hint, limits, |hint, ranges| {
+                geometry.nearest_solution(&flange, hint, ranges)
+            }),
+            InverseKinematics::Ur(geometry) => solve_six_axis(hint, limits, |hint, ranges| {
+                geometry.nearest_solution(&flange, hint, ranges)
+            }),
             InverseKinematics::DampedLeastSquares { held_axis } => DampedLeastSquares {
                 chain: &self.chain,
                 limits,

@@ -6,7 +6,9 @@
 
 use crate::angle::{HALF_TURN, SinCos};
 use crate::chain::LinkTwist;
-use crate::six_axis::{Joints, MISSING, NearestSearch, Solutions, elbow_bends, nearest_first, reason_for_none};
+use crate::six_axis::{
+    Joints, MISSING, NearestSearch, Solutions, elbow_bends, nearest_first, reason_for_none,
+};
 use crate::spherical_joint::{self, SphericalJoint};
 use crate::{InverseKinematicsError, Link, Range, Transform};
 use core::f64::consts::FRAC_PI_2;

@@ -126,7 +126,10 @@ fn the_chosen_solution_is_the_nearest_of_all() {
                 .map(|(axis, joint)| {
                     let upper = joint + 3.0 * f64::from(round % 7) * (hint[0].abs() - 0.1);
                     let position = match round % 5 {
-                        0 => Range { lower: joint - 1.0, upper },
+                        0 => Range {
+                            lower: joint - 1.0,
+                            upper,
+                        },
                         _ => axis.position,
                     };
                     AxisLimits { position, ..*axis }

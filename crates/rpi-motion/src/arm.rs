@@ -1,6 +1,7 @@
 //! The arm as seen by the motion core: model, tool and limits; and the state of all axes.
 
 use crate::Joints;
+use nalgebra::Vector3;
 use rpi_kin::angle::nearest_turn;
 use rpi_kin::{ArmModel, AxisLimits, InverseKinematicsError, MAX_AXES, Pose};
 
@@ -56,6 +57,13 @@ impl Arm {
     #[must_use]
     pub fn forward(&self, joints: &Joints) -> Pose {
         self.model.forward(&joints[..self.axes()]) * self.tool
+    }
+
+    /// Returns the position of the tool in the base frame (m) for joint positions in rad (m for a linear axis).
+    #[must_use]
+    pub fn tool_position(&self, joints: &Joints) -> Vector3<f64> {
+        let flange = self.model.chain.flange_pose(&joints[..self.axes()]);
+        flange.translation.vector + flange.rotation * self.tool.translation.vector
     }
 
     /// Returns the arm angle of a redundant arm at these joint positions (rad): the angle of the elbow about the line

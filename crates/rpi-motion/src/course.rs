@@ -106,13 +106,13 @@ impl Course {
     ) -> Result<Joints, MotionError> {
         let s = self.held.state_at(time).advanced(ahead, 0.0).s;
         let tool = self.tool.filter(|tool| time < tool.end());
-        let Some((tool, pose)) = tool.zip(self.tool_pose(s)) else {
+        let Some((tool, on_path)) = tool.zip(self.tool_pose(s)) else {
             return Ok(self.table.joints_at(arm, s, hint)?);
         };
-        let pose = tool.displaced(&pose, time, ahead);
+        let displaced = tool.displaced(&on_path, time, ahead);
         let angle = tool.arm_angle_at(time, ahead);
         let path = self.table.joint_path();
-        path.displaced_joints(arm, s, &pose, angle, hint)
+        path.displaced_joints(arm, (s, &on_path), &displaced, angle, hint)
             .ok_or(MotionError::NotFinite)
     }
 

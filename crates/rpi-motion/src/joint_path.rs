@@ -141,21 +141,21 @@ impl JointPath {
         }
     }
 
-    /// Returns the joint positions (rad), near to `hint`, for the pose `pose` of the tool beside the path at the
-    /// position `s` along it. The arm angle differs from that of the path by `change` (rad). `None` if there are none.
+    /// Returns the joint positions (rad), near to `hint`, for the pose `displaced` of the tool beside the path, which has
+    /// the pose `on_path` at the position `s` along it. The arm angle differs from that of the path by `change` (rad).
+    /// `None` if there are none.
     pub(crate) fn displaced_joints(
         &self,
         arm: &Arm,
-        s: f64,
-        pose: &Pose,
+        (s, on_path): (f64, &Pose),
+        displaced: &Pose,
         change: f64,
         hint: &Joints,
     ) -> Option<Joints> {
-        let Path::Tool(path) = &self.path else {
-            return None;
-        };
-        let angle = self.arm_angle_at(arm, s, &path.pose(s), hint) + change;
-        arm.inverse(pose, hint, angle).ok().map(|found| found.0)
+        let angle = self.arm_angle_at(arm, s, on_path, hint) + change;
+        arm.inverse(displaced, hint, angle)
+            .ok()
+            .map(|found| found.0)
     }
 
     /// Returns true if axis 3 is not held at the position `s` along the path, so that the arm angle may change.

@@ -113,9 +113,8 @@ pub(crate) fn bounds_at(
 /// Returns the acceleration and the jerk of the tool at a constant speed (m/s) on this curvature, as shares of the
 /// requested ones.
 pub(crate) fn tool_shares(requested: Bounds, curvature: Curvature, speed: f64) -> (f64, f64) {
-    let Curvature { value, slope } = curvature;
     (
-        value * speed * speed / requested.acceleration,
-        libm::hypot(slope, value * value) * speed * speed * speed / requested.jerk,
+        curvature.value * speed * speed / requested.acceleration,
+        curvature.third_derivative() * speed * speed * speed / requested.jerk,
     )
 }

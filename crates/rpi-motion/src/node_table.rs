@@ -29,8 +29,8 @@ pub struct NodeTable {
     requested: Bounds,
     window: Window,
     error: Option<PathError>,
-    /// Share of the jerk limits of the axes that plans on this path use.
-    jerk_share: f64,
+    /// True if a piece of the path belongs to a spline.
+    has_spline: bool,
     /// Ranges that the axes keep on the path, rad.
     ranges: Ranges,
 }
@@ -57,7 +57,7 @@ impl NodeTable {
             },
             window: Window::default(),
             error: None,
-            jerk_share: USED_JERK_SHARE,
+            has_spline: false,
             ranges: [Range::symmetric(0.0); MAX_AXES],
         }
     }
@@ -77,10 +77,7 @@ impl NodeTable {
         (self.oldest, self.next) = (0, 0);
         self.error = None;
         (self.path, self.requested) = (JointPath::new(arm, path, start), requested);
-        self.jerk_share = match &path {
-            Path::Tool(path) if path.has_spline() => USED_JERK_SHARE_ON_SPLINE,
-            _ => USED_JERK_SHARE,
-        };
+        self.has_spline = matches!(&path, Path::Tool(path) if path.has_spline());
         let length = path.length();
         if length <= 0.0 || length.is_nan() {
             return Err(PathError {
@@ -101,7 +98,7 @@ impl NodeTable {
         (self.oldest, self.next) = (0, 0);
         self.error = None;
         self.path = JointPath::still(Path::joint_line(at, at, arm.axes()));
-        self.jerk_share = USED_JERK_SHARE;
+        self.has_spline = false;
         self.window = Window::still(at);
         self.ranges = whole_ranges(arm, at);
         self.emit(arm);
@@ -125,7 +122,16 @@ impl NodeTable {
 
     /// Returns the share of the jerk limits of the axes that plans on this path use.
     pub(crate) fn jerk_share(&self) -> f64 {
-        self.jerk_share
+        match self.has_spline {
+            true => USED_JERK_SHARE_ON_SPLINE,
+            false => USED_JERK_SHARE,
+        }
+    }
+
+    /// Returns true if a piece of the path belongs to a spline: its curvature changes along the whole piece, and has
+    /// kinks at the points of the spline.
+    pub(crate) fn has_spline(&self) -> bool {
+        self.has_spline
     }
 
     /// Returns the path of the table in joint space.
@@ -250,7 +256,7 @@ impl NodeTable {
             node.second = [0.0; MAX_AXES];
             node.third = [0.0; MAX_AXES];
         }
-        (node.most, node.speed_bound) = bounds_at(arm, &node, self.requested, self.jerk_share);
+        (node.most, node.speed_bound) = bounds_at(arm, &node, self.requested, self.jerk_share());
         let slot = self.next % self.ring.len();
         self.ring[slot] = node;
         self.next += 1;

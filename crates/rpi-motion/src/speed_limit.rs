@@ -2,7 +2,6 @@
 
 use crate::Arm;
 use crate::node::{Node, USED_SHARE};
-use crate::path::Curvature;
 use rpi_kin::state_to_rest::Bounds;
 
 /// Bound that limits the speed at a place on a path.
@@ -82,12 +81,12 @@ const STEADY_ACCELERATION: f64 = 0.7;
 const STEADY_JERK: f64 = 0.6;
 
 /// Returns the maximum constant velocity along the path at a node, and the bound that limits it; `None` if it is the
-/// requested velocity. At a constant velocity v, the acceleration of the tool is k v² and its jerk hypot(k', k²) v³,
-/// with the curvature k and its derivative k'. The verification checks them together with the acceleration and jerk
+/// requested velocity. At a constant velocity v, the acceleration of the tool is k v² and its jerk c v³, with
+/// the curvature k and the magnitude c of the third derivative of the path. The verification checks them together with the acceleration and jerk
 /// along the path.
 pub(crate) fn steady_speed(arm: &Arm, node: &Node, requested: Bounds) -> (f64, Option<SpeedBound>) {
-    let Curvature { value, slope } = node.curvature;
-    let turning = libm::hypot(slope, value * value).max(1e-9);
+    let value = node.curvature.value;
+    let turning = node.curvature.third_derivative().max(1e-9);
     let mut most = (requested.speed, None);
     let mut take = |velocity: f64, bound: SpeedBound| {
         if velocity < most.0 {

@@ -141,9 +141,11 @@ impl ToolEntry {
         if velocity < -1e-9 || !joint_path.has_free_arm_angle(s) {
             return None;
         }
-        let pose = self.residual.displaced(&path.pose(s), time, 0.0);
+        let on_path = path.pose(s);
+        let pose = self.residual.displaced(&on_path, time, 0.0);
         let angle = self.residual.arm_angle_at(time, 0.0);
-        let joints = joint_path.displaced_joints(of.arm, s, &pose, angle, &self.last[3])?;
+        let place = (s, &on_path);
+        let joints = joint_path.displaced_joints(of.arm, place, &pose, angle, &self.last[3])?;
         self.last.rotate_left(1);
         self.last[3] = joints;
         self.places.rotate_left(1);

@@ -9,12 +9,13 @@ use rpi_kin::state_to_rest::Bounds;
 /// Number of set-points that are stored.
 const KEPT: usize = 4;
 
-/// The last set-points and positions of the tool, the newest last, and the maximum speed, acceleration and jerk of the
-/// tool since the takeover, as shares of the requested ones.
+/// The last set-points, the newest last, and the maximum speed, acceleration and jerk of the tool since the takeover, as
+/// shares of the requested ones.
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct ToolTrace {
     joints: [Joints; KEPT],
-    places: [Vector3<f64>; 4],
+    /// Positions of the tool at the last set-points, m. They are not continued once the arm is on the path.
+    places: [Vector3<f64>; KEPT],
     pub worst: [f64; 3],
 }
 
@@ -23,19 +24,16 @@ impl ToolTrace {
     /// set-points (`continues` false), earlier set-points are computed from its velocity and acceleration.
     pub(crate) fn begin(&mut self, arm: &Arm, state: &JointState, period: f64, continues: bool) {
         self.worst = [0.0; 3];
-        if continues {
-            return;
+        if !continues {
+            self.joints = core::array::from_fn(|k| {
+                let time = (k as f64 - (KEPT - 1) as f64) * period;
+                core::array::from_fn(|axis| {
+                    let half = state.acceleration[axis] * time / 2.0;
+                    state.position[axis] + time * (state.velocity[axis] + half)
+                })
+            });
         }
-        self.joints = core::array::from_fn(|k| {
-            let time = (k as f64 - (KEPT - 1) as f64) * period;
-            core::array::from_fn(|axis| {
-                let half = state.acceleration[axis] * time / 2.0;
-                state.position[axis] + time * (state.velocity[axis] + half)
-            })
-        });
-        self.places = self
-            .joints
-            .map(|joints| arm.forward(&joints).translation.vector);
+        self.places = self.joints.map(|joints| arm.tool_position(&joints));
     }
 
     /// Returns the joint positions (rad) `back` set-points before the last one; the oldest stored ones if there are
@@ -57,11 +55,11 @@ impl ToolTrace {
     pub(crate) fn push(&mut self, arm: &Arm, at: &SetPoint, period: f64, requested: Bounds) {
         self.joints.rotate_left(1);
         self.joints[KEPT - 1] = at.joints;
-        self.places.rotate_left(1);
-        self.places[3] = arm.forward(&at.joints).translation.vector;
         if at.on_path {
             return;
         }
+        self.places.rotate_left(1);
+        self.places[KEPT - 1] = arm.tool_position(&at.joints);
         for (worst, share) in
             self.worst
                 .iter_mut()

@@ -9,9 +9,9 @@
 //! with v, a, j of the path parameter; the residual r is taken with its exact extrema over the step, since its phases
 //! can be shorter. Bending of the path between samples is covered by [`USED_SHARE`] and the jerk share of the table.
 
+use crate::curve_bound::CurveBound;
 use crate::node::{Node, USED_SHARE, tool_shares};
 use crate::node_table::NodeTable;
-use crate::path::Curvature;
 use crate::ranges::Ranges;
 use crate::residual::Residual;
 use crate::stop_margin::stopping_distances;
@@ -172,47 +172,18 @@ impl Verifier<'_> {
         inside && at(turning) > most || at(phase.duration) > most
     }
 
-    /// Returns true if acceleration and jerk of the tool are within the requested bounds: a t + k v² n and (j - k² v³)
-    /// t + (3 k v a + k' v³) n, with velocity v, acceleration a and jerk j along the path, its curvature k, tangent t
-    /// and normal n.
+    /// Returns true if acceleration and jerk of the tool are within the requested bounds.
     fn tool_is_within(&self, state: &PathState, jerk: f64, cursor: &mut usize) -> bool {
         let (one, other, share) = self.table.around(state.s, cursor);
-        let mix = |low: f64, high: f64| low + share * (high - low);
-        let curvature = mix(one.curvature.value, other.curvature.value);
-        let slopes = (one.curvature.slope, other.curvature.slope);
-        // Between nodes of different signs, and where a curve begins or ends, the slope may jump.
-        let is_smooth = slopes.0 * slopes.1 > 0.0;
-        let slope = match is_smooth {
-            true => mix(slopes.0, slopes.1),
-            false => libm::fabs(slopes.0).max(libm::fabs(slopes.1)),
-        };
-        if curvature == 0.0 && slope == 0.0 {
+        let curve = CurveBound::between(one, other, share, self.table.has_spline());
+        if curve.is_straight() {
             return true;
         }
-        let PathState {
-            velocity: v,
-            acceleration: a,
-            ..
-        } = *state;
         let requested = self.table.requested();
-        let acceleration = libm::hypot(a, curvature * v * v);
-        let along = jerk - curvature * curvature * v * v * v;
-        let (bending, turning) = (3.0 * curvature * v * a, slope * v * v * v);
-        let across = match is_smooth {
-            true => bending + turning,
-            false => libm::fabs(bending) + turning,
-        };
-        let (share, jerk_share) = tool_shares(
-            requested,
-            Curvature {
-                value: curvature,
-                slope,
-            },
-            v,
-        );
-        let most = 1.0 - BETWEEN_SAMPLES * (share + jerk_share).min(1.0);
-        acceleration <= most * requested.acceleration
-            && libm::hypot(along, across) <= most * requested.jerk
+        let (acceleration, tool_jerk) = curve.tool_motion(state, jerk);
+        let (steady, steady_jerk) = tool_shares(requested, curve.largest(), state.velocity);
+        let most = 1.0 - BETWEEN_SAMPLES * (steady + steady_jerk).min(1.0);
+        acceleration <= most * requested.acceleration && tool_jerk <= most * requested.jerk
     }
 
     fn step_is_within(

@@ -155,3 +155,51 @@ fn each_reason_for_which_there_is_no_spline_has_its_error() {
         Some(SplineError::TurningDecides(1))
     );
 }
+
+/// Curvature, its derivative and the third derivative out of the plane of the curve, by central differences of fourth
+/// order of the position at a place between two points.
+fn numeric_curvature(path: &ToolPath, s: f64) -> [f64; 3] {
+    const H: f64 = 4e-4;
+    let at = |k: f64| path.pose(s + k * H).translation.vector;
+    let direction = ((at(1.0) - at(-1.0)) * 8.0 - (at(2.0) - at(-2.0))) / (12.0 * H);
+    let bend =
+        ((at(1.0) + at(-1.0)) * 16.0 - (at(2.0) + at(-2.0)) - at(0.0) * 30.0) / (12.0 * H * H);
+    let third = ((at(-1.0) - at(1.0)) * 13.0 + (at(2.0) - at(-2.0)) * 8.0 - (at(3.0) - at(-3.0)))
+        / (8.0 * H * H * H);
+    let normal = bend.normalize();
+    let binormal = direction.cross(&normal);
+    [bend.norm(), third.dot(&normal), third.dot(&binormal).abs()]
+}
+
+#[test]
+fn the_curvature_is_that_of_the_positions_in_three_dimensions() {
+    let mut random = Random::new(7);
+    let mut most_twisted: f64 = 0.0;
+    for count in 3..=MAX_POINTS {
+        let points = points(&mut random, count);
+        let path = ToolPath::spline(&points).expect("a spline");
+        let ends = places(&path, &points);
+        let whole = rpi_motion::Path::Tool(path);
+        for pair in ends.windows(2) {
+            for share in [0.2, 0.5, 0.8] {
+                let s = pair[0] + share * (pair[1] - pair[0]);
+                let known = whole.curvature(s);
+                let [value, slope, twist] = numeric_curvature(&path, s);
+                let close = |a: f64, b: f64| (a - b).abs() < 2e-2 + 1e-3 * value.max(a.abs());
+                let is_close = close(known.value, value)
+                    && close(known.slope, slope)
+                    && close(known.twist, twist);
+                assert!(
+                    is_close,
+                    "{known:?}, but {:?} at {s}",
+                    [value, slope, twist]
+                );
+                most_twisted = most_twisted.max(twist);
+            }
+        }
+    }
+    assert!(
+        most_twisted > 10.0,
+        "all splines were plane: {most_twisted}"
+    );
+}

@@ -77,11 +77,25 @@ fn the_path_has_the_twist_in_its_frame_everywhere() {
                 (bend.norm() - path.curvature().value).abs() < 1e-4,
                 "{frame:?} at {s}"
             );
+            let third = third_derivative(&path, s).norm();
+            assert!(
+                (third - path.curvature().third_derivative()).abs() < 1e-3,
+                "{frame:?} at {s}: {third} {:?}",
+                path.curvature()
+            );
         }
     }
     let zero = Vector3::zeros();
     assert!(TwistPath::new(&start, &zero, &zero, TwistFrame::Base).is_none());
     assert!(TwistPath::new(&start, &(zero / 0.0), &zero, TwistFrame::Base).is_none());
+}
+
+/// Third derivative of the position with respect to the path parameter, by central differences.
+fn third_derivative(path: &TwistPath, s: f64) -> Vector3<f64> {
+    let h = 1e-3;
+    let at = |k: f64| path.pose(s + k * h).translation.vector;
+    ((at(-1.0) - at(1.0)) * 13.0 + (at(2.0) - at(-2.0)) * 8.0 - (at(3.0) - at(-3.0)))
+        / (8.0 * h * h * h)
 }
 
 fn joints(model: &ArmModel, random: &mut Random) -> Joints {

@@ -232,7 +232,7 @@ impl Arc {
     pub fn curvature(&self) -> Curvature {
         Curvature {
             value: self.radius * self.rate * self.rate,
-            slope: 0.0,
+            ..Curvature::default()
         }
     }
 }

@@ -127,24 +127,37 @@ impl Corner {
     }
 
     /// Returns the curvature `s` metres behind the start of the corner.
+    ///
+    /// The second and third derivatives with respect to the arc length follow from those with respect to the curve
+    /// parameter by the chain rule; only their parts across the direction of the curve are needed.
     #[must_use]
     pub fn curvature(&self, s: f64) -> Curvature {
-        /// Step of the finite difference in the curve parameter, which ranges from 0 to 1.
-        const STEP: f64 = 1e-4;
+        /// Curvature (1/m) below which the direction of the curvature is not defined.
+        const STRAIGHT: f64 = 1e-9;
         let u = self.curve_parameter(s).clamp(0.0, 1.0);
-        let (low, high) = ((u - STEP).max(0.0), (u + STEP).min(1.0));
-        let speed = libm::sqrt(self.derivative(u).norm_squared());
-        Curvature {
-            value: self.bend(u),
-            slope: (self.bend(high) - self.bend(low)) / ((high - low) * speed),
-        }
-    }
-
-    /// Returns the curvature of the curve at the curve parameter `u` (0 to 1), 1/m.
-    fn bend(&self, u: f64) -> f64 {
-        let (first, second) = (self.derivative(u), self.second_derivative(u));
+        let first = self.derivative(u);
         let speed = libm::sqrt(first.norm_squared());
-        libm::sqrt(first.cross(&second).norm_squared()) / (speed * speed * speed)
+        let along = first / speed;
+        let across = |v: Vector3<f64>| v - along * v.dot(&along);
+        let second = self.second_derivative(u);
+        let bend = across(second) / (speed * speed);
+        let stretch = bend * (3.0 * speed * second.dot(&along));
+        let third = (across(self.third_derivative(u)) - stretch) / (speed * speed * speed);
+        let value = libm::sqrt(bend.norm_squared());
+        if value < STRAIGHT {
+            return Curvature {
+                value,
+                slope: libm::sqrt(third.norm_squared()),
+                twist: 0.0,
+            };
+        }
+        let slope = third.dot(&bend) / value;
+        let twist = libm::sqrt((third - bend * (slope / value)).norm_squared());
+        Curvature {
+            value,
+            slope,
+            twist,
+        }
     }
 
     /// Returns the curve parameter (0 to 1) at an arc length of `s` metres: from the table, improved by Newton steps on
@@ -186,6 +199,14 @@ impl Corner {
         let basis = [w * w * w, 3.0 * u * w * w, 3.0 * u * u * w, u * u * u];
         let bends = self.points.windows(3).map(|p| p[2] - p[1] * 2.0 + p[0]);
         bends.zip(basis).map(|(bend, b)| bend * (20.0 * b)).sum()
+    }
+
+    fn third_derivative(&self, u: f64) -> Vector3<f64> {
+        let w = 1.0 - u;
+        let basis = [w * w, 2.0 * u * w, u * u];
+        let jerks = self.points.windows(4);
+        let jerks = jerks.map(|p| p[3] - p[2] * 3.0 + p[1] * 3.0 - p[0]);
+        jerks.zip(basis).map(|(jerk, b)| jerk * (60.0 * b)).sum()
     }
 }
 

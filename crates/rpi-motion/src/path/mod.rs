@@ -66,13 +66,24 @@ pub struct ToolPath {
     length: f64,
 }
 
-/// Curvature at a point of a path.
+/// Curvature at a point of a path, with the third derivative of the path across its direction.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Curvature {
     /// Curvature: the inverse of the radius, 1/m.
     pub value: f64,
     /// Derivative of the curvature along the path, 1/m².
     pub slope: f64,
+    /// Product of curvature and torsion, 1/m²: the third derivative out of the plane of the curve. 0 for a plane curve.
+    pub twist: f64,
+}
+
+impl Curvature {
+    /// Returns the magnitude of the third derivative of the path, 1/m² (Frenet-Serret formulas): the jerk of the tool at
+    /// the constant speed 1.
+    #[must_use]
+    pub fn third_derivative(&self) -> f64 {
+        libm::hypot(libm::hypot(self.slope, self.twist), self.value * self.value)
+    }
 }
 
 impl Piece {

@@ -110,13 +110,20 @@ impl TwistPath {
         v + across * one + w.cross(&across) * other
     }
 
-    /// Returns the curvature of the path with respect to the path parameter, 1/m; it is constant.
+    /// Returns the curvature of the path with respect to the path parameter, 1/m; it is constant. In the frame of the
+    /// tool the path is a helix, which winds about its axis.
     #[must_use]
     pub fn curvature(&self) -> Curvature {
-        let value = match self.frame {
-            TwistFrame::Base => 0.0,
-            TwistFrame::Tool => libm::sqrt(self.angular.cross(&self.linear).norm_squared()),
-        };
-        Curvature { value, slope: 0.0 }
+        match self.frame {
+            TwistFrame::Base => Curvature::default(),
+            TwistFrame::Tool => {
+                let value = libm::sqrt(self.angular.cross(&self.linear).norm_squared());
+                Curvature {
+                    value,
+                    slope: 0.0,
+                    twist: value * libm::fabs(self.angular.dot(&self.linear)),
+                }
+            }
+        }
     }
 }

@@ -223,8 +223,8 @@ fn run_chains(chains: u64, length: usize, wait: Cycles) {
             model.id
         );
         assert!(counts.deviation < 1e-9, "{}: {counts:?}", model.id);
-        // On splines, the curvature bends between the nodes at which the jerk of the tool is verified.
-        let is_within = counts.tool.iter().all(|share| *share < 1.01);
+        // A part of a millionth is noise of the third differences of the positions.
+        let is_within = counts.tool.iter().all(|share| *share < 1.0 + 2e-6);
         assert!(is_within, "{}: {counts:?}", model.id);
         assert!(counts.takeovers > 0);
     }

@@ -36,6 +36,8 @@ pub(crate) struct Scope {
     names: FastMap<Name, (Local, Span)>,
     /// The same names in the order of their declarations, for the "did you mean" suggestions.
     order: Vec<Name>,
+    /// Flows that the inline fragments and states directly in this block declare, with the first block that does.
+    inner_flows: FastMap<Name, BlockId>,
 }
 
 impl Scope {
@@ -95,10 +97,30 @@ pub(crate) fn declare(cx: &mut Body<'_, '_>, name: &Ident, local: Local) {
             report::report_diagnostic(cx, diagnostic);
         }
         None => {
+            let is_flow = matches!(local, Local::Flow(_));
             scope.names.insert(name.name.clone(), (local, name.span));
             scope.order.push(name.name.clone());
+            if is_flow {
+                record_inner_flow(cx, &name.name);
+            }
         }
     }
+}
+
+/// Records a flow of the current block, if it has a name, in the block around it.
+fn record_inner_flow(cx: &mut Body<'_, '_>, name: &Name) {
+    let block = cx.unit.block(cx.block);
+    if let Some(parent) = block.parent.filter(|_| !block.name.is_empty()) {
+        let around = &mut cx.scopes[parent.0 as usize].inner_flows;
+        around.entry(name.clone()).or_insert(cx.block);
+    }
+}
+
+/// Returns the first inline fragment or state directly in the current block that declares the flow `name`; `None` if
+/// none does.
+pub(crate) fn inner_block_of_flow(cx: &Body<'_, '_>, name: &str) -> Option<BlockId> {
+    let scope = &cx.scopes[cx.block.0 as usize];
+    scope.inner_flows.get(name).copied()
 }
 
 /// Declares the name of a state of an automaton in the current block. If another automaton of the block has a state of

@@ -273,13 +273,7 @@ fn undefined_flow(cx: &mut Body<'_, '_>, name: &Name, span: Span) -> ExprId {
 /// From outside, the flow must be read through the name of the fragment: `Filter.smooth`. `None` if no fragment or
 /// state declares the name.
 fn flow_of_fragment(cx: &Body<'_, '_>, name: &Name, span: Span) -> Option<Diagnostic> {
-    let unit = &cx.unit;
-    let mut alike = unit.flows.iter().filter(|flow| flow.name == *name);
-    let block = alike.find_map(|flow| {
-        let block = unit.block(flow.block);
-        let is_inside = block.parent == Some(cx.block) && !block.name.is_empty();
-        is_inside.then_some(&block.name)
-    })?;
+    let block = &cx.unit.block(locals::inner_block_of_flow(cx, name)?).name;
     let path = format!("{block}.{name}");
     let message = format!("undefined flow `{name}`");
     let diagnostic = Diagnostic::new(Code::RPI1001, message)
