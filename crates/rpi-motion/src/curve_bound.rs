@@ -5,8 +5,8 @@ use crate::path::Curvature;
 use crate::time_law::PathState;
 
 /// Curvature at a place between two nodes, as a bound: its derivative is known only up to a range.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct CurveBound {
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct CurveBound {
     /// Curvature, 1/m.
     value: f64,
     /// Two values between which the derivative of the curvature with respect to the arc length lies, 1/m².
@@ -16,40 +16,47 @@ pub(crate) struct CurveBound {
 }
 
 impl CurveBound {
+    /// Returns the bound of several places: the largest curvature, and all derivatives. `None` if there are none.
+    pub(crate) fn of_all(places: impl Iterator<Item = Curvature>) -> Option<Self> {
+        let bounds = places.map(|at| Self {
+            value: at.value,
+            slopes: [at.slope; 2],
+            twist: at.twist,
+        });
+        bounds.reduce(Self::join)
+    }
+
+    fn join(self, other: Self) -> Self {
+        Self {
+            value: self.value.max(other.value),
+            slopes: [
+                self.slopes[0].min(other.slopes[0]),
+                self.slopes[1].max(other.slopes[1]),
+            ],
+            twist: self.twist.max(other.twist),
+        }
+    }
+
     /// Returns the curvature at the share `share` (0 to 1) of the way from the node `one` to the node `other`.
     ///
-    /// The curvature of a spline has a kink at each of its points (`has_kinks`), which may lie between the nodes: then
-    /// the tangents at both nodes bound a curvature that rises less and less, its chord bounds the other ones, and the
-    /// derivative may be that of either node. Elsewhere it is interpolated linearly, except between slopes of different
-    /// signs, as where a curve begins.
-    pub(crate) fn between(one: &Node, other: &Node, share: f64, has_kinks: bool) -> Self {
-        let mix = |low: f64, high: f64| low + share * (high - low);
+    /// It is interpolated linearly, except between slopes of different signs, as where a curve begins. Between nodes
+    /// with a point of a spline between them, at which the derivatives jump, it is the largest one at all of these
+    /// places.
+    pub(crate) fn between(one: &Node, other: &Node, share: f64) -> Self {
         let (low, high) = (one.curvature, other.curvature);
-        let chord = mix(low.value, high.value);
+        if let Some(kink) = other.kink {
+            return Self::of_all([low, high].into_iter()).map_or(kink, |ends| ends.join(kink));
+        }
+        let mix = |low: f64, high: f64| low + share * (high - low);
         let slope = mix(low.slope, high.slope);
         let largest = libm::fabs(low.slope).max(libm::fabs(high.slope));
-        let twist = low.twist.max(high.twist);
-        match (has_kinks, low.slope * high.slope > 0.0) {
-            (true, _) => {
-                let width = other.s - one.s;
-                let from_low = low.value + low.slope * share * width;
-                let from_high = high.value - high.slope * (1.0 - share) * width;
-                Self {
-                    value: chord.max(from_low.min(from_high)),
-                    slopes: [low.slope, high.slope],
-                    twist,
-                }
-            }
-            (false, true) => Self {
-                value: chord,
-                slopes: [slope; 2],
-                twist,
+        Self {
+            value: mix(low.value, high.value),
+            slopes: match low.slope * high.slope > 0.0 {
+                true => [slope; 2],
+                false => [-largest, largest],
             },
-            (false, false) => Self {
-                value: chord,
-                slopes: [-largest, largest],
-                twist,
-            },
+            twist: low.twist.max(high.twist),
         }
     }
 
@@ -105,19 +112,24 @@ mod tests {
 
     #[test]
     fn a_kink_between_two_nodes_is_within_the_bound() {
-        let (one, other) = (node(1.0, 4.0, 300.0), node(1.002, 4.1, -200.0));
-        // The lines from both nodes meet here, which is the true maximum of the curvature.
-        let kink = (4.1 - 4.0 + 200.0 * 0.002) / 500.0;
-        let top = CurveBound::between(&one, &other, kink / 0.002, true);
-        assert!((top.value - (4.0 + 300.0 * kink)).abs() < 1e-12, "{top:?}");
-        assert_eq!(top.slopes, [300.0, -200.0]);
-        let chord = CurveBound::between(&other, &one, 0.5, true);
-        assert!(chord.value >= 4.05, "{chord:?}");
+        let kink = [(4.4, 310.0), (4.4, -190.0)].map(|(value, slope)| Curvature {
+            value,
+            slope,
+            twist: 0.0,
+        });
+        let mut other = node(1.002, 4.1, -200.0);
+        other.kink = CurveBound::of_all(kink.into_iter());
+        let bound = CurveBound::between(&node(1.0, 4.0, 300.0), &other, 0.1);
+        assert_eq!((bound.value, bound.slopes), (4.4, [-200.0, 310.0]));
     }
 
     #[test]
     fn either_slope_counts_across_the_path() {
-        let bound = CurveBound::between(&node(0.0, 2.0, -5.0), &node(1e-3, 2.0, 9.0), 0.5, true);
+        let bound = CurveBound {
+            value: 2.0,
+            slopes: [-5.0, 9.0],
+            twist: 0.0,
+        };
         let state = PathState {
             s: 0.0,
             velocity: 1.0,

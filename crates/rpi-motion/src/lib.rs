@@ -27,7 +27,7 @@ pub mod arm;
 pub mod arm_angle;
 pub mod check;
 mod course;
-mod curve_bound;
+pub mod curve_bound;
 mod entry;
 mod held_axis;
 pub mod joint_motion;

@@ -1,5 +1,6 @@
 //! A place on the path in joint space, and what it allows.
 
+use crate::curve_bound::CurveBound;
 use crate::path::Curvature;
 use crate::speed_limit::{SpeedBound, SpeedLimit, steady_speed};
 use crate::{Arm, Joints};
@@ -33,6 +34,9 @@ pub struct Node {
     pub third: Joints,
     /// Curvature of the path of the tool at the node.
     pub curvature: Curvature,
+    /// Curvature at the points of a spline between the previous node and this one, at which its derivatives jump; `None`
+    /// without one.
+    pub kink: Option<CurveBound>,
     /// Maximum distance between two nodes here for which the curvature is known well enough in between, m.
     pub resolution: f64,
     /// Maximum velocity, acceleration and jerk along the path at the node, each without regard to the others.
@@ -53,6 +57,17 @@ pub struct MostAllowed {
 }
 
 impl Node {
+    /// Returns the largest curvature, with the largest derivatives, at the node and at the points of a spline before it.
+    pub(crate) fn largest_curvature(&self) -> Curvature {
+        let kink = self.kink.unwrap_or_default().largest();
+        let own = self.curvature;
+        Curvature {
+            value: own.value.max(kink.value),
+            slope: libm::fabs(own.slope).max(kink.slope),
+            twist: own.twist.max(kink.twist),
+        }
+    }
+
     /// Returns the limit of the velocity at the node if it is lower than the requested velocity; `None` otherwise.
     #[must_use]
     pub fn speed_limit(&self) -> Option<SpeedLimit> {

@@ -4,6 +4,7 @@
 //! a finer stretch begins; where it is smooth again, a coarser one. The table is a ring: nodes behind the motion make
 //! room for those ahead.
 
+use crate::curve_bound::CurveBound;
 use crate::joint_path::JointPath;
 use crate::node::{MostAllowed, Node, USED_JERK_SHARE, USED_JERK_SHARE_ON_SPLINE, bounds_at};
 use crate::path::{Curvature, Path};
@@ -128,12 +129,6 @@ impl NodeTable {
         }
     }
 
-    /// Returns true if a piece of the path belongs to a spline: its curvature changes along the whole piece, and has
-    /// kinks at the points of the spline.
-    pub(crate) fn has_spline(&self) -> bool {
-        self.has_spline
-    }
-
     /// Returns the path of the table in joint space.
     pub(crate) fn joint_path(&self) -> &JointPath {
         &self.path
@@ -235,6 +230,7 @@ impl NodeTable {
             s: centre,
             joints: q[2],
             curvature: self.path().curvature(centre),
+            kink: self.kink_before(centre),
             resolution: self.path().resolution(centre),
             ..Node::default()
         };
@@ -260,6 +256,15 @@ impl NodeTable {
         let slot = self.next % self.ring.len();
         self.ring[slot] = node;
         self.next += 1;
+    }
+
+    /// Returns the curvature at the points of a spline between the last node and the position `s` along the path.
+    fn kink_before(&self, s: f64) -> Option<CurveBound> {
+        let Path::Tool(path) = self.path() else {
+            return None;
+        };
+        let last = self.next.checked_sub(1)?;
+        CurveBound::of_all(path.kinks_between(self.node(last).s, s))
     }
 
     /// Returns the first axis that is out of its range at the centre of the window, or at the end of the path if the
@@ -301,7 +306,8 @@ impl NodeTable {
     }
 
     /// Returns the position along the path of the next sample of a verification after `from`, at most `to`: the next
-    /// node of a finely spaced part, or the next place on a curve at the distance that its curvature needs. `cursor` is
+    /// node of a finely spaced part, the next node before a point of a spline, or the next place on a curve at the
+    /// distance that its curvature needs. `cursor` is
     /// as in [`NodeTable::around`]; it stays at `from`.
     #[must_use]
     pub fn next_sample(&self, from: f64, to: f64, cursor: &mut usize) -> f64 {
@@ -312,6 +318,9 @@ impl NodeTable {
             let (one, other) = (self.node(k), self.node(k + 1));
             if one.s >= to {
                 break;
+            }
+            if other.kink.is_some() && one.s > from {
+                return one.s;
             }
             let spacing = other.s - one.s;
             let needed = one.resolution.min(other.resolution);

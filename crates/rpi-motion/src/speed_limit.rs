@@ -85,8 +85,9 @@ const STEADY_JERK: f64 = 0.6;
 /// the curvature k and the magnitude c of the third derivative of the path. The verification checks them together with the acceleration and jerk
 /// along the path.
 pub(crate) fn steady_speed(arm: &Arm, node: &Node, requested: Bounds) -> (f64, Option<SpeedBound>) {
-    let value = node.curvature.value;
-    let turning = node.curvature.third_derivative().max(1e-9);
+    let curvature = node.largest_curvature();
+    let value = curvature.value;
+    let turning = curvature.third_derivative().max(1e-9);
     let mut most = (requested.speed, None);
     let mut take = |velocity: f64, bound: SpeedBound| {
         if velocity < most.0 {

@@ -175,7 +175,7 @@ impl Verifier<'_> {
     /// Returns true if acceleration and jerk of the tool are within the requested bounds.
     fn tool_is_within(&self, state: &PathState, jerk: f64, cursor: &mut usize) -> bool {
         let (one, other, share) = self.table.around(state.s, cursor);
-        let curve = CurveBound::between(one, other, share, self.table.has_spline());
+        let curve = CurveBound::between(one, other, share);
         if curve.is_straight() {
             return true;
         }

@@ -174,6 +174,17 @@ impl ToolPath {
         self.pieces.iter().flatten()
     }
 
+    /// Returns the curvature at both sides of each place with `from < s <= to` at which two pieces of a spline meet.
+    pub(crate) fn kinks_between(&self, from: f64, to: f64) -> impl Iterator<Item = Curvature> + '_ {
+        let pieces = self.pieces().zip(self.pieces().skip(1));
+        let places = pieces.zip(&self.starts[1..]);
+        let inside = places.filter(move |(_, start)| **start > from && **start <= to);
+        let splines = inside.filter(|((one, other), _)| {
+            matches!((one, other), (Piece::Spline(_), Piece::Spline(_)))
+        });
+        splines.flat_map(|((one, other), _)| [one.curvature(one.length()), other.curvature(0.0)])
+    }
+
     fn piece_at(&self, s: f64) -> Option<(&Piece, f64)> {
         let behind = self.starts[..self.count].partition_point(|start| *start <= s);
         let k = behind.saturating_sub(1);

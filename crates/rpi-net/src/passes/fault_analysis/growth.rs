@@ -69,6 +69,17 @@ struct GrowthAnalysis<'k, 'a> {
 }
 
 impl GrowthAnalysis<'_, '_> {
+    /// Returns whether a node has the same value as the delay in every cycle: each `pre n` in a program is a delay of its
+    /// own.
+    fn is_delay_of_same_flow(&self, id: NodeId) -> bool {
+        let (one, other) = (self.known.net.node(id), self.known.net.node(self.delay));
+        let is_same = || {
+            (one.prim, one.fragment) == (other.prim, other.fragment)
+                && (&one.inputs, &one.params) == (&other.inputs, &other.params)
+        };
+        id == self.delay || is_same()
+    }
+
     fn next(&mut self, input: &Input) -> Option<NextValue> {
         let port = match input {
             Input::Const(value) => {
@@ -77,7 +88,7 @@ impl GrowthAnalysis<'_, '_> {
             Input::Port(port) => *port,
             Input::Unconnected => return None,
         };
-        if port.node == self.delay {
+        if self.is_delay_of_same_flow(port.node) {
             return Some(NextValue {
                 step: Some((0, 0)),
                 independent: None,

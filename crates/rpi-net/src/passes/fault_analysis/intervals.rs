@@ -1,5 +1,7 @@
-//! Interval analysis: the range of every integer and Boolean flow of a net. It is the least fixed point, with widening.
+//! Interval analysis: the range of every integer and Boolean flow of a net. It is the least fixed point, with widening,
+//! of one loop of the net after the other.
 
+use super::components::for_each_component;
 use super::growth::counter_range;
 use super::range::Interval;
 use super::refine::Limits;
@@ -9,14 +11,14 @@ use crate::passes::Schedule;
 use rpi_image::Role;
 use std::collections::BTreeSet;
 
-/// Number of iterations without widening. In later iterations, the interval of a delay is widened to the next constant
+/// Number of iterations of a loop without widening. In later iterations, the interval of a delay is widened to the next constant
 /// of the program.
 const EXACT_ROUNDS: usize = 4;
 /// Number of iterations after which an interval that still changes is widened to all values.
 const ROUGH_ROUNDS: usize = 20;
-/// Number of iterations after which the intervals of all delays are widened to all values.
+/// Number of iterations after which the intervals of all delays of a loop are widened to all values.
 const MAX_ROUNDS: usize = 40;
-/// Maximum number of constants of the program that are used as widening thresholds. Bounds the compile time.
+/// Maximum number of constants of a loop that are used as widening thresholds. Bounds the compile time.
 const MAX_THRESHOLDS: usize = 256;
 
 /// Interval analysis of a net: the interval of the values of each integer and Boolean flow.
@@ -26,6 +28,7 @@ pub(super) struct IntervalAnalysis<'a> {
     ranges: Vec<Option<Interval>>,
     /// For each fragment, limits on flows that hold because the fragment is active.
     limits: Vec<Limits>,
+    /// Thresholds for widening in the present loop, in ascending order.
     thresholds: Vec<i64>,
     /// Delays whose values change by a bounded step per cycle.
     counters: BTreeSet<NodeId>,
@@ -37,25 +40,80 @@ impl<'a> IntervalAnalysis<'a> {
             net,
             ranges: vec![None; net.nodes.len()],
             limits: Vec::new(),
-            thresholds: widening_thresholds(net),
+            thresholds: Vec::new(),
             counters: BTreeSet::new(),
         };
         known.find_limits();
-        let order: Vec<NodeId> = schedule.nodes().collect();
-        let (delays, others): (Vec<NodeId>, Vec<NodeId>) =
-            order.into_iter().partition(|id| is_delay(net.node(*id)));
-        let delays: Vec<NodeId> = delays
-            .into_iter()
-            .filter(|id| full_range(net.node(*id)).is_some())
-            .collect();
-        for round in 0..=MAX_ROUNDS {
-            known.compute(&others);
-            if !known.update_delays(&delays, round) {
-                return known;
+        let mut position = vec![0; net.nodes.len()];
+        for (k, id) in schedule.nodes().enumerate() {
+            position[id.index()] = k;
+        }
+        for_each_component(net, |component| {
+            component.sort_unstable_by_key(|id| position[id.index()]);
+            known.stabilise(component);
+        });
+        known
+    }
+
+    /// Computes the intervals of the nodes of one component, which are given in the order of their evaluation. Those of
+    /// all other nodes that they read are known.
+    fn stabilise(&mut self, component: &[NodeId]) {
+        if let [one] = component {
+            let node = self.net.node(*one);
+            match is_delay(node) {
+                true if reads_itself(node, *one) => {}
+                true => {
+                    self.ranges[one.index()] = full_range(node).and_then(|_| self.input(node, 0));
+                    return;
+                }
+                false => return self.compute(component),
             }
         }
-        known.compute(&others);
-        known
+        let is_analysed_delay = |id: &NodeId| {
+            let node = self.net.node(*id);
+            is_delay(node) && full_range(node).is_some()
+        };
+        let (delays, others): (Vec<NodeId>, Vec<NodeId>) =
+            component.iter().partition(|id| is_analysed_delay(id));
+        for round in 0..=MAX_ROUNDS {
+            if round == EXACT_ROUNDS {
+                self.thresholds = self.widening_thresholds(component);
+            }
+            self.compute(&others);
+            if !self.update_delays(&delays, round) {
+                return;
+            }
+        }
+        self.compute(&others);
+    }
+
+    /// Returns the numbers at which the growth of the intervals of a loop may end, in ascending order: the constants in it
+    /// and in the conditions of its fragments, the ends of the intervals that it reads, and the neighbours of all of them.
+    fn widening_thresholds(&self, component: &[NodeId]) -> Vec<i64> {
+        let mut stops = BTreeSet::from([-1, 0, 1]);
+        let mut inside = component.to_vec();
+        inside.sort_unstable();
+        let is_inside = |id: NodeId| inside.binary_search(&id).is_ok();
+        for id in component {
+            let node = self.net.node(*id);
+            let conditions = self.limits[node.fragment.index()].iter();
+            let bounds = conditions.flat_map(|(_, limit)| limit.bounds());
+            let inputs = node.inputs.iter().flat_map(|input| match input {
+                Input::Const(value) => [value.as_int(); 2],
+                Input::Port(port) if !is_inside(port.node) => {
+                    let range = self.range_of(*port);
+                    [range.map(|range| range.lo), range.map(|range| range.hi)]
+                }
+                Input::Port(_) | Input::Unconnected => [None; 2],
+            });
+            for stop in bounds.chain(inputs.flatten()) {
+                stops.extend([stop.saturating_sub(1), stop, stop.saturating_add(1)]);
+            }
+            if stops.len() >= MAX_THRESHOLDS {
+                break;
+            }
+        }
+        stops.into_iter().collect()
     }
 
     fn find_limits(&mut self) {
@@ -190,23 +248,13 @@ pub(super) fn full_range(node: &Node) -> Option<Interval> {
     }
 }
 
-fn is_delay(node: &Node) -> bool {
-    matches!(node.desc().role, Role::Delay)
+fn reads_itself(node: &Node, id: NodeId) -> bool {
+    node.inputs
+        .iter()
+        .filter_map(Input::port)
+        .any(|port| port.node == id)
 }
 
-/// Returns the constants of a net and their neighbours in ascending order, as thresholds for widening.
-fn widening_thresholds(net: &Net) -> Vec<i64> {
-    let mut stops = BTreeSet::from([-1, 0, 1]);
-    let inputs = net.nodes.iter().flat_map(|node| &node.inputs);
-    for input in inputs {
-        if stops.len() >= MAX_THRESHOLDS {
-            break;
-        }
-        if let Input::Const(value) = input
-            && let Some(value) = value.as_int()
-        {
-            stops.extend([value.saturating_sub(1), value, value.saturating_add(1)]);
-        }
-    }
-    stops.into_iter().collect()
+fn is_delay(node: &Node) -> bool {
+    matches!(node.desc().role, Role::Delay)
 }

@@ -6,10 +6,12 @@
 //! |---|---|
 //! | `range.rs` | intervals of integers, and arithmetic on them |
 //! | `intervals.rs` | interval of every flow: least fixed point |
+//! | `components.rs` | loops of the net, in the order of their dependencies |
 //! | `transfer.rs`, `truth.rs` | interval of a node's output |
 //! | `refine.rs` | limits that a condition implies for the flows that it compares |
 //! | `growth.rs` | counters, which do not overflow within a run |
 
+mod components;
 mod growth;
 mod intervals;
 mod range;

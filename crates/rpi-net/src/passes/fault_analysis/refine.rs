@@ -29,6 +29,14 @@ impl Limit {
             Limit::Not(value) => range.without(value),
         }
     }
+
+    /// Returns the two ends of the limit, which are equal for a single value.
+    pub(super) fn bounds(self) -> [i64; 2] {
+        match self {
+            Limit::Within(limit) => [limit.lo, limit.hi],
+            Limit::Not(value) => [value; 2],
+        }
+    }
 }
 
 impl IntervalAnalysis<'_> {
