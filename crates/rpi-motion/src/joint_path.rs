@@ -105,14 +105,44 @@ impl JointPath {
                 &wider
             }
         };
-        let pose = path.pose(s);
-        let angle = self.arm_angle_at(arm, s, &pose, hint);
+        let found = self.inverse_at(arm, s, &path.pose(s), hint);
+        found.map_err(|error| self.error_at(s, PathErrorKind::NoInverse(error)))
+    }
+
+    /// Returns the joint positions (rad) near to `hint` for the pose `pose` of the tool, which belongs to the position `s`
+    /// along the path.
+    fn inverse_at(
+        &self,
+        arm: &Arm,
+        s: f64,
+        pose: &Pose,
+        hint: &Joints,
+    ) -> Result<Joints, InverseKinematicsError> {
+        let angle = self.arm_angle_at(arm, s, pose, hint);
         let found = match self.arm_angle.held_third_axis(s) {
-            Some(third) => arm.inverse_with_third_axis(&pose, hint, angle, third),
-            None => arm.inverse(&pose, hint, angle),
+            Some(third) => arm.inverse_with_third_axis(pose, hint, angle, third),
+            None => arm.inverse(pose, hint, angle),
         };
-        let joints = found.map(|(joints, _)| joints);
-        joints.map_err(|error| self.error_at(s, PathErrorKind::NoInverse(error)))
+        found.map(|(joints, _)| joints)
+    }
+
+    /// Returns the joint positions (rad), near to `hint`, at the position `s` along the path on the piece with the index
+    /// `piece`, which is continued beyond its ends. `None` if there are none.
+    pub(crate) fn joints_on_piece(
+        &self,
+        arm: &Arm,
+        piece: usize,
+        s: f64,
+        hint: &Joints,
+    ) -> Option<Joints> {
+        let Path::Tool(path) = &self.path else {
+            return None;
+        };
+        let pose = path.pose_on_piece(piece, s)?;
+        let wider = arm.with_margin(-BEYOND);
+        let joints = self.inverse_at(&wider, s, &pose, hint).ok()?;
+        let jump = |axis: usize| (joints[axis] - hint[axis]).abs() > CONFIGURATION_STEP;
+        (!(0..arm.axes()).any(jump)).then_some(joints)
     }
 
     /// Returns `error` with the axis that would leave its range there, if that is its cause. `hint` are joint positions

@@ -45,6 +45,7 @@ pub mod residual;
 pub mod set_point;
 pub mod speed_limit;
 pub mod stop_margin;
+mod third_derivative;
 pub mod time_law;
 mod tool_entry;
 mod tool_residual;

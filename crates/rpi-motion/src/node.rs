@@ -30,8 +30,9 @@ pub struct Node {
     pub first: Joints,
     /// Second derivatives of the joints with respect to the path parameter, rad/m² (rad/rad² on a joint line).
     pub second: Joints,
-    /// Third derivatives of the joints with respect to the path parameter, rad/m³ (rad/rad³ on a joint line).
-    pub third: Joints,
+    /// Smallest and largest third derivatives of the joints with respect to the path parameter near the node, rad/m³
+    /// (rad/rad³ on a joint line). They differ only next to a point of a spline, where the derivatives jump.
+    pub third: [Joints; 2],
     /// Curvature of the path of the tool at the node.
     pub curvature: Curvature,
     /// Curvature at the points of a spline between the previous node and this one, at which its derivatives jump; `None`

@@ -10,6 +10,7 @@ use crate::node::{MostAllowed, Node, USED_JERK_SHARE, USED_JERK_SHARE_ON_SPLINE,
 use crate::path::{Curvature, Path};
 use crate::path_error::{PathError, PathErrorKind};
 use crate::ranges::{Ranges, first_outside, path_ranges, whole_ranges};
+use crate::third_derivative;
 use crate::window::{Window, widest_spacing};
 use crate::{Arm, Joints};
 use alloc::boxed::Box;
@@ -245,12 +246,11 @@ impl NodeTable {
         node.second = core::array::from_fn(|k| {
             (-a[k] + 16.0 * b[k] - 30.0 * c[k] + 16.0 * d[k] - e[k]) / (12.0 * h * h)
         });
-        node.third =
-            core::array::from_fn(|k| (-a[k] + 2.0 * b[k] - 2.0 * d[k] + e[k]) / (2.0 * h * h * h));
+        node.third = third_derivative::extent(arm, &self.path, &self.window);
         if let Path::Joints(line) = self.path() {
             node.first = *line.direction();
             node.second = [0.0; MAX_AXES];
-            node.third = [0.0; MAX_AXES];
+            node.third = [[0.0; MAX_AXES]; 2];
         }
         (node.most, node.speed_bound) = bounds_at(arm, &node, self.requested, self.jerk_share());
         let slot = self.next % self.ring.len();
@@ -264,7 +264,8 @@ impl NodeTable {
             return None;
         };
         let last = self.next.checked_sub(1)?;
-        CurveBound::of_all(path.kinks_between(self.node(last).s, s))
+        let kinks = path.kinks_between(self.node(last).s, s);
+        CurveBound::of_all(kinks.flat_map(|kink| path.curvatures_beside(kink)))
     }
 
     /// Returns the first axis that is out of its range at the centre of the window, or at the end of the path if the

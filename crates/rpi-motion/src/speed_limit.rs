@@ -105,7 +105,7 @@ pub(crate) fn steady_speed(arm: &Arm, node: &Node, requested: Bounds) -> (f64, O
         let (first, second, third) = (
             size(node.first[axis]),
             size(node.second[axis]),
-            size(node.third[axis]),
+            size(node.third[0][axis]).max(size(node.third[1][axis])),
         );
         let by_acceleration = libm::sqrt(STEADY_ACCELERATION * limits.acceleration / second);
         let by_jerk = libm::cbrt(STEADY_JERK * limits.jerk / third);

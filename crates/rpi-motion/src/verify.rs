@@ -62,7 +62,8 @@ struct Terms {
     position: f64,
     velocity: f64,
     acceleration: f64,
-    jerk: f64,
+    /// Smallest and largest jerk: they differ where the third derivative of the path jumps.
+    jerk: [f64; 2],
 }
 
 impl Verifier<'_> {
@@ -152,12 +153,13 @@ impl Verifier<'_> {
                 let (low, high) = (of(one)[axis], of(other)[axis]);
                 low + share * (high - low)
             };
-            let (first, second, third) = (mix(|n| &n.first), mix(|n| &n.second), mix(|n| &n.third));
+            let (first, second) = (mix(|n| &n.first), mix(|n| &n.second));
+            let third = [mix(|n| &n.third[0]), mix(|n| &n.third[1])];
             *slot = Terms {
                 position: mix(|n| &n.joints),
                 velocity: first * v,
                 acceleration: first * a + second * v * v,
-                jerk: first * jerk + 3.0 * second * v * a + third * v * v * v,
+                jerk: third.map(|third| first * jerk + 3.0 * second * v * a + third * v * v * v),
             };
         }
         terms
@@ -211,8 +213,8 @@ impl Verifier<'_> {
                 rest.acceleration,
                 USED_SHARE * limits.acceleration,
             ) && within(
-                one.jerk,
-                other.jerk,
+                one.jerk[0].min(other.jerk[0]),
+                one.jerk[1].max(other.jerk[1]),
                 rest.jerk,
                 self.table.jerk_share() * (1.0 + 1e-7) * limits.jerk,
             ) && self.range_is_kept(axis, other, to, limits)

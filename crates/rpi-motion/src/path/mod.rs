@@ -77,6 +77,15 @@ pub struct Curvature {
     pub twist: f64,
 }
 
+/// Place at which two pieces of a spline meet: the derivative of the curvature jumps there.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Kink {
+    /// Position along the path, m.
+    pub(crate) s: f64,
+    /// Index of the piece that ends there, from 0.
+    pub(crate) piece_before: usize,
+}
+
 impl Curvature {
     /// Returns the magnitude of the third derivative of the path, 1/m² (Frenet-Serret formulas): the jerk of the tool at
     /// the constant speed 1.
@@ -174,15 +183,35 @@ impl ToolPath {
         self.pieces.iter().flatten()
     }
 
-    /// Returns the curvature at both sides of each place with `from < s <= to` at which two pieces of a spline meet.
-    pub(crate) fn kinks_between(&self, from: f64, to: f64) -> impl Iterator<Item = Curvature> + '_ {
-        let pieces = self.pieces().zip(self.pieces().skip(1));
-        let places = pieces.zip(&self.starts[1..]);
-        let inside = places.filter(move |(_, start)| **start > from && **start <= to);
-        let splines = inside.filter(|((one, other), _)| {
-            matches!((one, other), (Piece::Spline(_), Piece::Spline(_)))
+    /// Returns the places with `from < s <= to` at which two pieces of a spline meet, in order.
+    pub(crate) fn kinks_between(&self, from: f64, to: f64) -> impl Iterator<Item = Kink> + '_ {
+        let is_spline = |k: usize| matches!(self.pieces[k], Some(Piece::Spline(_)));
+        let borders = (1..self.count).map(|k| Kink {
+            s: self.starts[k],
+            piece_before: k - 1,
         });
-        splines.flat_map(|((one, other), _)| [one.curvature(one.length()), other.curvature(0.0)])
+        borders.filter(move |kink| {
+            kink.s > from
+                && kink.s <= to
+                && is_spline(kink.piece_before)
+                && is_spline(kink.piece_before + 1)
+        })
+    }
+
+    /// Returns the pose of the tool in the base frame at the position `s` (m) along the path on the piece with the index
+    /// `piece`, which is continued beyond its ends; `None` if there is no such piece.
+    pub(crate) fn pose_on_piece(&self, piece: usize, s: f64) -> Option<Pose> {
+        let own = s - self.starts.get(piece)?;
+        Some(self.pieces[piece].as_ref()?.pose(own))
+    }
+
+    /// Returns the curvature on both sides of a kink.
+    pub(crate) fn curvatures_beside(&self, kink: Kink) -> impl Iterator<Item = Curvature> + '_ {
+        let pieces = [kink.piece_before, kink.piece_before + 1];
+        pieces.into_iter().filter_map(move |k| {
+            let own = kink.s - self.starts.get(k)?;
+            Some(self.pieces[k].as_ref()?.curvature(own))
+        })
     }
 
     fn piece_at(&self, s: f64) -> Option<(&Piece, f64)> {
@@ -204,6 +233,7 @@ impl ToolPath {
     fn resolution(&self, s: f64) -> f64 {
         match self.piece_at(s) {
             Some((Piece::Corner(corner), _)) => corner.length() / CORNER_SAMPLES,
+            Some((Piece::Spline(curve), own)) => spline_resolution(curve.curvature(own)),
             _ => f64::INFINITY,
         }
     }
@@ -211,6 +241,24 @@ impl ToolPath {
     fn curvature(&self, s: f64) -> Curvature {
         self.piece_at(s)
             .map_or_else(Curvature::default, |(piece, own)| piece.curvature(own))
+    }
+}
+
+/// Returns the maximum distance (m) between two places on a spline with this curvature for which it is known well enough
+/// in between; infinite for gentle curves, which the usual distance of nodes resolves.
+fn spline_resolution(curvature: Curvature) -> f64 {
+    /// Maximum relative change of the curvature between two places. The error of a linear interpolation is about a
+    /// quarter of its square.
+    const CHANGE: f64 = 0.06;
+    /// Curvature (1/m) below which only its absolute change counts: at a point of inflection it is 0.
+    const GENTLE: f64 = 30.0;
+    /// Distance from which on the curve is gentle, m.
+    const WIDE: f64 = 2e-3;
+    let distance = CHANGE * curvature.value.max(GENTLE) / libm::fabs(curvature.slope);
+    if distance < WIDE {
+        distance
+    } else {
+        f64::INFINITY
     }
 }
 

@@ -1,6 +1,7 @@
 //! Takeovers at random moments between motions of all kinds keep every limit of every axis, and every motion arrives.
 //!
-//! `RPI_TAKEOVERS` sets the number of chains for each arm, `RPI_SEED` the first seed (defaults: a smoke for CI).
+//! `RPI_TAKEOVERS` sets the number of chains for each arm, `RPI_SEED` the first seed (defaults: a smoke for CI), `RPI_ARM`
+//! a part of the name of the only arms to be tested.
 
 mod brute_force;
 mod controls;
@@ -212,7 +213,8 @@ fn run(
 
 fn run_chains(chains: u64, length: usize, wait: Cycles) {
     let first = number("RPI_SEED", 1);
-    for model in ARMS {
+    let arm = std::env::var("RPI_ARM").unwrap_or_default();
+    for model in ARMS.into_iter().filter(|model| model.id.contains(&arm)) {
         let mut counts = Counts::default();
         (first..first + chains).for_each(|seed| chain(model, seed, (length, wait), &mut counts));
         println!("{}: {counts:?}", model.id);
@@ -233,6 +235,24 @@ fn run_chains(chains: u64, length: usize, wait: Cycles) {
 #[test]
 fn takeovers_at_random_moments_keep_every_limit() {
     run_chains(number("RPI_TAKEOVERS", 50), CHAIN, any);
+}
+
+/// At a point of a spline the third derivatives of the axes jump. Between two nodes beside such a point, the jerk of an axis
+/// was once over its limit.
+#[test]
+fn the_jerk_of_the_axes_is_kept_at_the_points_of_a_spline() {
+    let mut counts = Counts::default();
+    chain(
+        &models::kuka_lbr::IIWA_7,
+        1_000_336,
+        (CHAIN, any),
+        &mut counts,
+    );
+    assert_eq!(
+        (counts.over_limits, counts.takeovers),
+        (0, CHAIN),
+        "{counts:?}"
+    );
 }
 
 #[test]
