@@ -29,6 +29,46 @@ pub fn geometric<const N: usize>(
     jacobian
 }
 
+/// Maximum number of iterations of the singular value decomposition. It usually takes two for each value.
+const MOST_ITERATIONS: usize = 64;
+
+/// Returns the distance of an arm from its nearest singularity: the smallest singular value of its Jacobian at the joint
+/// values `q` (rad, m), with lengths in shares of the length of the chain (in m for a chain without length), so that it has no unit. At a singularity, where
+/// the last link cannot move in some direction, it is 0. `point` and `N` are as in [`geometric`].
+///
+/// A chain with fewer than six joints never moves its last link in all directions: only as many values as there are joints
+/// count. NaN if a joint value is not finite. Source: Klein, Blaho, Dexterity measures for the design and control of
+/// kinematically redundant manipulators, International Journal of Robotics Research 6 (1987).
+#[must_use]
+pub fn distance_to_singularity<const N: usize>(
+    chain: &Chain,
+    q: &[f64; N],
+    point: &Vector3<f64>,
+) -> f64 {
+    let mut jacobian = geometric(chain, q, point);
+    let length = chain.length();
+    if length > 0.0 {
+        let mut linear = jacobian.fixed_rows_mut::<3>(0);
+        linear /= length;
+    }
+    if jacobian.iter().any(|entry| !entry.is_finite()) {
+        return f64::NAN;
+    }
+    // The singular values of the Jacobian are those of the square matrix to which columns of zeros are added.
+    let mut square = SMatrix::<f64, 7, 7>::zeros();
+    for (from, mut to) in jacobian.column_iter().zip(square.column_iter_mut()) {
+        to.fixed_rows_mut::<6>(0).copy_from(&from);
+    }
+    let found = square.try_svd_unordered(false, false, f64::EPSILON, MOST_ITERATIONS);
+    let Some(mut values) = found.map(|found| found.singular_values) else {
+        return f64::NAN;
+    };
+    let values = values.as_mut_slice();
+    values.sort_unstable_by(|one, other| other.total_cmp(one));
+    let count = chain.axes().clamp(1, 6);
+    values[count - 1]
+}
+
 /// Returns the part of the acceleration of `point` that is due to the joint velocities alone: linear (m/s²), then
 /// angular (rad/s²), in base coordinates. The whole acceleration is `geometric(...) * a` plus this part, where `a` are
 /// the joint accelerations. `point` and `N` are as in [`geometric`].

@@ -63,6 +63,13 @@ impl ArmKinematics {
         self.jacobian(joints) * SMatrix::<f64, MAX_AXES, 1>::from(*velocities)
     }
 
+    /// Returns the distance of the arm from its nearest singularity at these joint positions (rad), without unit; 0 at a
+    /// singularity.
+    pub(super) fn distance_to_singularity(&self, joints: &PerAxis) -> f64 {
+        let tool = self.forward(&joints[..self.axes]).translation.vector;
+        jacobian::distance_to_singularity(&self.model.chain, joints, &tool)
+    }
+
     /// Returns the acceleration of the tool in the base frame for joint positions, velocities and accelerations (rad,
     /// s): linear (m/s²), then angular (rad/s²).
     pub(super) fn acceleration(

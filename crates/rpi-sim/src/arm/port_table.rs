@@ -320,6 +320,10 @@ pub(super) const PORTS: &[PortRow] = &[
     sensor("twist", TWIST, commanded_twist),
     sensor("measured", POSE, measured_pose),
     sensor("measured_twist", TWIST, measured_twist),
+    sensor("singularity_distance", REAL, |arm, _, out| {
+        let joints = arm.commanded(|s| s.position);
+        out.put_real(arm.kinematics.distance_to_singularity(&joints))
+    }),
     sensor("joints", JOINTS, |arm, _, out| {
         put_joints(arm, arm.commanded(|s| s.position), out)
     }),

@@ -42,17 +42,18 @@ fn wild(bank: &mut SimBank) -> Vec<u64> {
             ),
             6,
         ),
+        (sensor(bank, "left", "singularity_distance", 0, REAL), 1),
         (
             sensor(bank, "left", "code", 0, Type::Scalar(Scalar::Int)),
             1,
         ),
     ];
     inject_faults(bank);
-    let mut seen = vec![0_u64; 21 * 3_000];
+    let mut seen = vec![0_u64; 22 * 3_000];
     let mut at = -0.5_f64;
     let mut speed = 0.0;
     rpi_testkit::no_alloc(|| {
-        for (tick, row) in seen.chunks_exact_mut(21).enumerate() {
+        for (tick, row) in seen.chunks_exact_mut(22).enumerate() {
             speed = if tick % 1000 < 100 {
                 speed + 2e-6
             } else {
@@ -79,6 +80,6 @@ fn wild(bank: &mut SimBank) -> Vec<u64> {
 fn the_same_cell_gives_the_same_bits_and_allocates_nothing() {
     let (one, two) = (wild(&mut bank()), wild(&mut bank()));
     assert_eq!(one, two);
-    let codes: std::collections::BTreeSet<u64> = one.chunks_exact(21).map(|row| row[20]).collect();
+    let codes: std::collections::BTreeSet<u64> = one.chunks_exact(22).map(|row| row[21]).collect();
     assert!(codes.len() >= 4, "it was wild: {codes:?}");
 }
