@@ -33,7 +33,7 @@ pub fn geometric<const N: usize>(
 const MOST_ITERATIONS: usize = 64;
 
 /// Returns the distance of an arm from its nearest singularity: the smallest singular value of its Jacobian at the joint
-/// values `q` (rad, m), with lengths in shares of the length of the chain (in m for a chain without length), so that it has no unit. At a singularity, where
+/// values `q` (rad, m), with all lengths in shares of the length of the chain, so that it has no unit. At a singularity, where
 /// the last link cannot move in some direction, it is 0. `point` and `N` are as in [`geometric`].
 ///
 /// A chain with fewer than six joints never moves its last link in all directions: only as many values as there are joints
@@ -47,9 +47,12 @@ pub fn distance_to_singularity<const N: usize>(
 ) -> f64 {
     let mut jacobian = geometric(chain, q, point);
     let length = chain.length();
-    if length > 0.0 {
-        let mut linear = jacobian.fixed_rows_mut::<3>(0);
-        linear /= length;
+    for (link, mut column) in chain.links.iter().zip(jacobian.column_iter_mut()) {
+        // The joint value of a prismatic joint is a length, too.
+        if link.joint == JointType::Revolute && length > 0.0 {
+            let mut linear = column.fixed_rows_mut::<3>(0);
+            linear /= length;
+        }
     }
     if jacobian.iter().any(|entry| !entry.is_finite()) {
         return f64::NAN;

@@ -44,7 +44,7 @@ impl CurveBound {
     /// places.
     pub(crate) fn between(one: &Node, other: &Node, share: f64) -> Self {
         let (low, high) = (one.curvature, other.curvature);
-        if let Some(kink) = other.kink {
+        if let Some((_, kink)) = other.kink {
             return Self::of_all([low, high].into_iter()).map_or(kink, |ends| ends.join(kink));
         }
         let mix = |low: f64, high: f64| low + share * (high - low);
@@ -118,7 +118,7 @@ mod tests {
             twist: 0.0,
         });
         let mut other = node(1.002, 4.1, -200.0);
-        other.kink = CurveBound::of_all(kink.into_iter());
+        other.kink = CurveBound::of_all(kink.into_iter()).map(|bound| (1.001, bound));
         let bound = CurveBound::between(&node(1.0, 4.0, 300.0), &other, 0.1);
         assert_eq!((bound.value, bound.slopes), (4.4, [-200.0, 310.0]));
     }

@@ -35,9 +35,9 @@ pub struct Node {
     pub third: [Joints; 2],
     /// Curvature of the path of the tool at the node.
     pub curvature: Curvature,
-    /// Curvature at the points of a spline between the previous node and this one, at which its derivatives jump; `None`
-    /// without one.
-    pub kink: Option<CurveBound>,
+    /// Curvature at the points of a spline between the previous node and this one, at which its derivatives jump, and the
+    /// position of the last of them along the path, m; `None` without one.
+    pub kink: Option<(f64, CurveBound)>,
     /// Maximum distance between two nodes here for which the curvature is known well enough in between, m.
     pub resolution: f64,
     /// Maximum velocity, acceleration and jerk along the path at the node, each without regard to the others.
@@ -60,7 +60,10 @@ pub struct MostAllowed {
 impl Node {
     /// Returns the largest curvature, with the largest derivatives, at the node and at the points of a spline before it.
     pub(crate) fn largest_curvature(&self) -> Curvature {
-        let kink = self.kink.unwrap_or_default().largest();
+        let kink = self
+            .kink
+            .map_or_else(CurveBound::default, |kink| kink.1)
+            .largest();
         let own = self.curvature;
         Curvature {
             value: own.value.max(kink.value),

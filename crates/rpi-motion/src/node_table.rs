@@ -246,7 +246,8 @@ impl NodeTable {
         node.second = core::array::from_fn(|k| {
             (-a[k] + 16.0 * b[k] - 30.0 * c[k] + 16.0 * d[k] - e[k]) / (12.0 * h * h)
         });
-        node.third = third_derivative::extent(arm, &self.path, &self.window);
+        node.third =
+            third_derivative::extent(arm, &self.path, &self.window, self.last_node_place(centre));
         if let Path::Joints(line) = self.path() {
             node.first = *line.direction();
             node.second = [0.0; MAX_AXES];
@@ -258,14 +259,21 @@ impl NodeTable {
         self.next += 1;
     }
 
-    /// Returns the curvature at the points of a spline between the last node and the position `s` along the path.
-    fn kink_before(&self, s: f64) -> Option<CurveBound> {
+    /// Returns the curvature at the points of a spline between the last node and the position `s` along the path, and the
+    /// position of the last of them.
+    fn kink_before(&self, s: f64) -> Option<(f64, CurveBound)> {
         let Path::Tool(path) = self.path() else {
             return None;
         };
-        let last = self.next.checked_sub(1)?;
-        let kinks = path.kinks_between(self.node(last).s, s);
-        CurveBound::of_all(kinks.flat_map(|kink| path.curvatures_beside(kink)))
+        let kinks = || path.kinks_between(self.last_node_place(s), s);
+        let bound = CurveBound::of_all(kinks().flat_map(|kink| path.curvatures_beside(kink)));
+        kinks().last().map(|kink| kink.s).zip(bound)
+    }
+
+    /// Returns the position of the last node along the path; `first` if there is none.
+    fn last_node_place(&self, first: f64) -> f64 {
+        let last = self.next.checked_sub(1);
+        last.map_or(first, |last| self.node(last).s)
     }
 
     /// Returns the first axis that is out of its range at the centre of the window, or at the end of the path if the
@@ -307,7 +315,7 @@ impl NodeTable {
     }
 
     /// Returns the position along the path of the next sample of a verification after `from`, at most `to`: the next
-    /// node of a finely spaced part, the next node before a point of a spline, or the next place on a curve at the
+    /// node of a finely spaced part, the next point of a spline, or the next place on a curve at the
     /// distance that its curvature needs. `cursor` is
     /// as in [`NodeTable::around`]; it stays at `from`.
     #[must_use]
@@ -320,9 +328,6 @@ impl NodeTable {
             if one.s >= to {
                 break;
             }
-            if other.kink.is_some() && one.s > from {
-                return one.s;
-            }
             let spacing = other.s - one.s;
             let needed = one.resolution.min(other.resolution);
             let distance = if spacing < widest {
@@ -330,8 +335,15 @@ impl NodeTable {
             } else {
                 needed
             };
-            if distance.is_finite() {
-                return if one.s > from { one.s } else { from + distance }.min(to);
+            let kink = other.kink.map_or(f64::INFINITY, |(place, _)| place);
+            let place = match distance.is_finite() {
+                true if one.s > from => one.s,
+                true => from + distance,
+                false => f64::INFINITY,
+            };
+            let next = if kink > from { place.min(kink) } else { place };
+            if next.is_finite() {
+                return next.min(to);
             }
         }
         to

@@ -390,7 +390,8 @@ impl TightCurve {
     }
 
     fn is_tight_at(&self, table: &NodeTable, node: &Node) -> bool {
-        let (share, jerk_share) = tool_shares(table.requested(), node.curvature, self.speed);
+        let (share, jerk_share) =
+            tool_shares(table.requested(), node.largest_curvature(), self.speed);
         share.max(jerk_share) > FREE
     }
 }

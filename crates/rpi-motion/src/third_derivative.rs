@@ -8,42 +8,46 @@ use crate::path::{Kink, Path};
 use crate::window::Window;
 use crate::{Arm, Joints};
 
-/// Maximum number of points of a spline next to a node that are looked at. Bounds the work of a node.
-const MOST_KINKS: usize = 2;
-
 /// Returns the smallest and the largest third derivative of each joint near the centre of the window (rad/m³; rad/rad³ on a
-/// joint line). They are equal except next to a point of a spline.
-pub(crate) fn extent(arm: &Arm, path: &JointPath, window: &Window) -> [Joints; 2] {
+/// joint line). They are equal except next to a point of a spline. `before` is the position along the path of the node
+/// before the centre. Only the nearest point on either side counts, so that the work is bounded: 16 inverse kinematics.
+pub(crate) fn extent(arm: &Arm, path: &JointPath, window: &Window, before: f64) -> [Joints; 2] {
     let [a, b, _, d, e, _] = &window.joints;
     let own = difference([a, b, d, e], window.spacing);
     let Path::Tool(tool) = &path.path else {
         return [own; 2];
     };
     let reach = 2.0 * window.spacing;
-    let kinks = tool.kinks_between(window.centre - reach, window.centre + reach);
-    let sides = kinks
-        .take(MOST_KINKS)
+    let from = before.min(window.centre - reach);
+    let behind = tool.kinks_between(from, window.centre).last();
+    let ahead = tool
+        .kinks_between(window.centre, window.centre + reach)
+        .next();
+    let sides = behind
+        .into_iter()
+        .chain(ahead)
         .flat_map(|kink| [kink.piece_before, kink.piece_before + 1].map(|piece| (kink, piece)));
-    sides.fold([own; 2], |extent, (kink, piece)| {
-        let hint = &window.joints[2];
-        match beside(arm, path, (kink, piece), window.spacing, hint) {
+    sides.fold([own; 2], |extent, side| {
+        match beside(arm, path, side, window) {
             Some(side) => joined(extent, &side),
-            // The continued piece leaves the reach of the arm: only the difference is known.
+            // The continued piece leaves the reach of the arm, or its configuration: only the difference is known.
             None => extent,
         }
     })
 }
 
 /// Returns the third derivatives at a point of a spline on one piece; `None` if the continued piece cannot be reached.
-/// `hint` are joint positions (rad) near to it.
 fn beside(
     arm: &Arm,
     path: &JointPath,
     (kink, piece): (Kink, usize),
-    step: f64,
-    hint: &Joints,
+    window: &Window,
 ) -> Option<Joints> {
-    let at = |steps: f64| path.joints_on_piece(arm, piece, kink.s + steps * step, hint);
+    let step = window.spacing;
+    let at = |steps: f64| {
+        let s = kink.s + steps * step;
+        path.joints_on_piece(arm, piece, s, window.nearest(s))
+    };
     let (a, b, d, e) = (at(-2.0)?, at(-1.0)?, at(1.0)?, at(2.0)?);
     Some(difference([&a, &b, &d, &e], step))
 }

@@ -64,6 +64,12 @@ impl Window {
         }
     }
 
+    /// Returns the joint positions (rad) of the place in the window that is nearest to the position `s` along the path.
+    pub(crate) fn nearest(&self, s: f64) -> &Joints {
+        let offset = libm::rint((s - self.centre) / self.spacing).clamp(-2.0, 3.0);
+        &self.joints[(offset + 2.0) as usize]
+    }
+
     /// Returns the position along the path of the last place in the window (m; rad on a joint line).
     pub(crate) fn end(&self) -> f64 {
         self.centre + 3.0 * self.spacing

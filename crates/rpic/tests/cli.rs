@@ -125,8 +125,8 @@ fn analyses_tell_what_they_found() {
     }
 }
 
-/// Operations that are proved safe are not listed: divisors that a condition or a subrange keeps from 0, counters,
-/// indices.
+/// Operations that are proved safe are not listed: divisors that a condition or a subrange keeps from 0, counters (also
+/// those compared with an input or in a fragment with a condition), indices.
 const CAN_FAULT: &str = "\
 type Slot = subrange [1, 4] of int;
 node Safe (s: Slot; x: int; a: int^5) returns (p, q, r, n, e: int)
@@ -136,6 +136,14 @@ let
   r = if x > 0 and x < 5 then a[x] else 0;
   n = 0 -> pre n + 1;
   e = (0 -> pre e + s) mod 7;
+tel
+node Counters (x: int) returns (m, k, f: int)
+let
+  m = 0 -> if x > pre m then pre m + 2 else pre m;
+  k = m * 2;
+  fragment Above when x > 0
+  let n = 0 -> pre n + 3; tel
+  f = (Above.n ?? 0) + 1;
 tel
 node Unsafe (x, y: int; u: real; a: int^5) returns (p, q, r, s: int; t: Slot)
 let
@@ -158,11 +166,11 @@ fn operations_that_can_fault_are_listed_by_place() {
     let places: Vec<&str> = places.map(|(_, place)| place).collect();
     let expected = [
         "2:12: value outside of its subrange",
-        "12:7: integer overflow",
-        "13:21: division by zero, only where it is needed",
-        "14:7: index outside of the array",
-        "15:7: conversion of a real that has no integer value",
-        "16:7: value outside of its subrange",
+        "20:7: integer overflow",
+        "21:21: division by zero, only where it is needed",
+        "22:7: index outside of the array",
+        "23:7: conversion of a real that has no integer value",
+        "24:7: value outside of its subrange",
     ];
     assert_eq!(places, expected, "{text}");
 }

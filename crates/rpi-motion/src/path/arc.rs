@@ -230,9 +230,6 @@ impl Arc {
     /// Returns the curvature of the arc with respect to the path parameter, 1/m; it is constant.
     #[must_use]
     pub fn curvature(&self) -> Curvature {
-        Curvature {
-            value: self.radius * self.rate * self.rate,
-            ..Curvature::default()
-        }
+        Curvature::constant(self.radius * self.rate * self.rate, self.rate)
     }
 }

@@ -87,6 +87,24 @@ pub(crate) struct Kink {
 }
 
 impl Curvature {
+    /// Returns the constant curvature `value` (1/m) of a path whose direction turns by `rate` (rad/m) about a fixed axis:
+    /// an arc or a helix. Its third derivative is `rate * value`, which is more than the square of `value` if the path
+    /// winds, or if the tool travels less than the path parameter grows.
+    pub(crate) fn constant(value: f64, rate: f64) -> Self {
+        let rest = libm::fabs(rate * rate - value * value);
+        // Rounding alone is no torsion.
+        let is_plane = rest <= 1e-12 * rate * rate;
+        Self {
+            value,
+            slope: 0.0,
+            twist: if is_plane {
+                0.0
+            } else {
+                value * libm::sqrt(rest)
+            },
+        }
+    }
+
     /// Returns the magnitude of the third derivative of the path, 1/m² (Frenet-Serret formulas): the jerk of the tool at
     /// the constant speed 1.
     #[must_use]

@@ -118,11 +118,7 @@ impl TwistPath {
             TwistFrame::Base => Curvature::default(),
             TwistFrame::Tool => {
                 let value = libm::sqrt(self.angular.cross(&self.linear).norm_squared());
-                Curvature {
-                    value,
-                    slope: 0.0,
-                    twist: value * libm::fabs(self.angular.dot(&self.linear)),
-                }
+                Curvature::constant(value, libm::sqrt(self.angular.norm_squared()))
             }
         }
     }

@@ -70,7 +70,8 @@ impl Writers {
             }
         }
         let mut pairs = prove_pairs(background, &candidate_pairs(background.net, &of));
-        // The device bank checks imported nets in each cycle, so a proof would change nothing but the time to load them.
+        // The device bank checks imported nets in each cycle. A proof would only save the importer of programs a selection
+        // here and there, and takes most of the time of loading a net.
         let schedule = schedule.filter(|_| !is_imported(background.net));
         let verdicts = schedule.map_or_else(BTreeMap::new, |schedule| {
             solve_pairs(background, schedule, &pairs)

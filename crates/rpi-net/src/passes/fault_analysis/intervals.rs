@@ -11,13 +11,16 @@ use crate::passes::Schedule;
 use rpi_image::Role;
 use std::collections::BTreeSet;
 
-/// Number of iterations of a loop without widening. In later iterations, the interval of a delay is widened to the next constant
-/// of the program.
+/// Number of iterations of a loop without widening. In later iterations, the interval of a delay is widened to the next
+/// threshold.
 const EXACT_ROUNDS: usize = 4;
 /// Number of iterations after which an interval that still changes is widened to all values.
 const ROUGH_ROUNDS: usize = 20;
 /// Number of iterations after which the intervals of all delays of a loop are widened to all values.
 const MAX_ROUNDS: usize = 40;
+/// Largest magnitude of a threshold. The ends of the range of a type are none: near to them, counters would not be
+/// recognised.
+const FARTHEST: i64 = 1 << 43;
 /// Maximum number of constants of a loop that are used as widening thresholds. Bounds the compile time.
 const MAX_THRESHOLDS: usize = 256;
 
@@ -106,7 +109,8 @@ impl<'a> IntervalAnalysis<'a> {
                 }
                 Input::Port(_) | Input::Unconnected => [None; 2],
             });
-            for stop in bounds.chain(inputs.flatten()) {
+            let stops_here = bounds.chain(inputs.flatten());
+            for stop in stops_here.filter(|stop| (-FARTHEST..=FARTHEST).contains(stop)) {
                 stops.extend([stop.saturating_sub(1), stop, stop.saturating_add(1)]);
             }
             if stops.len() >= MAX_THRESHOLDS {
@@ -194,8 +198,7 @@ impl<'a> IntervalAnalysis<'a> {
         }
     }
 
-    /// Widens an interval that has grown from `old` to `new` to the next constants of the program, at which growth
-    /// often ends.
+    /// Widens an interval that has grown from `old` to `new` to the next thresholds, at which growth often ends.
     fn widen(&self, old: Interval, new: Interval) -> Interval {
         let up = self.thresholds.partition_point(|stop| *stop < new.hi);
         let down = self.thresholds.partition_point(|stop| *stop <= new.lo);
