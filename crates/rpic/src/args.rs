@@ -69,7 +69,7 @@ pub(crate) enum CliCommand {
 #[derive(Args, Debug)]
 pub(crate) struct CheckArgs {
     /// Programs (.rpi, .lus) or nets (.rpinet), plain or .gz; or folders with programs.
-    #[arg(required = true)]
+    #[arg(default_value = ".")]
     pub(crate) files: Vec<PathBuf>,
     /// Format of the diagnostics: human, short, json, sarif or github.
     #[arg(long, default_value = "human", value_name = "FORMAT")]
@@ -86,7 +86,7 @@ pub(crate) struct CheckArgs {
 #[derive(Args, Debug)]
 pub(crate) struct TestArgs {
     /// Programs (.rpi), or folders with programs.
-    #[arg(required = true)]
+    #[arg(default_value = ".")]
     pub(crate) files: Vec<PathBuf>,
     /// Run only tests whose title contains this text.
     #[arg(long, value_name = "TEXT")]
@@ -212,7 +212,7 @@ pub(crate) struct ImportArgs {
 #[derive(Args, Debug)]
 pub(crate) struct FmtArgs {
     /// Programs (.rpi, .lus), or folders with programs.
-    #[arg(required_unless_present = "stdin")]
+    #[arg(default_value = ".")]
     pub(crate) files: Vec<PathBuf>,
     /// Change nothing; print the differences and exit with status 1 if there are any.
     #[arg(long)]

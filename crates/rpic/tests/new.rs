@@ -19,8 +19,10 @@ fn a_new_project_checks_tests_and_is_formatted() {
     assert!(made.status.success(), "{made:?}");
     let project = folder.path().join("pick cell");
     for args in [
-        &["check", "."][..],
-        &["fmt", "--check", "."],
+        &["check"][..],
+        &["check", "."],
+        &["fmt", "--check"],
+        &["test"],
         &["test", "."],
         &["doc"],
     ] {
