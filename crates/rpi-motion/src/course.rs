@@ -4,7 +4,7 @@ use crate::node_table::NodeTable;
 use crate::path::Path;
 use crate::residual::Residual;
 use crate::set_point::{MotionError, SetPoint};
-use crate::time_law::HeldBrake;
+use crate::time_law::{HeldBrake, PathState};
 use crate::tool_residual::ToolResidual;
 use crate::{Arm, JointState, Joints};
 use rpi_kin::MAX_AXES;
@@ -61,7 +61,18 @@ impl Course {
         time: f64,
         hint: &Joints,
     ) -> Result<(Joints, Joints), MotionError> {
-        let on_path = self.inverse_near(arm, time, 0.0, hint)?;
+        self.joints_on(arm, time, &self.held.state_at(time), hint)
+    }
+
+    /// As [`joints_at`](Self::joints_at), with the known state `path` of the motion along the path at that time.
+    fn joints_on(
+        &self,
+        arm: &Arm,
+        time: f64,
+        path: &PathState,
+        hint: &Joints,
+    ) -> Result<(Joints, Joints), MotionError> {
+        let on_path = self.inverse_near(arm, (time, path.s), 0.0, hint)?;
         let mut joints = on_path;
         self.residual.add_to(&mut joints, time);
         Ok((joints, on_path))
@@ -81,7 +92,11 @@ impl Course {
         /// Step of the differences, s. With a shorter one, rounding errors of the inverse kinematics would matter; with
         /// a longer one, a jump of the third derivative of the path, as at the start of a corner.
         const STEP: f64 = 3e-5;
-        let near = |steps: f64| self.inverse_near(arm, time, steps * STEP, hint);
+        let path = self.held.state_at(time);
+        let near = |steps: f64| {
+            let ahead = steps * STEP;
+            self.inverse_near(arm, (time, path.advanced(ahead, 0.0).s), ahead, hint)
+        };
         let (a, b, c, d, e) = (near(-2.0)?, near(-1.0)?, near(0.0)?, near(1.0)?, near(2.0)?);
         let mut state = JointState::at_rest(c);
         for axis in 0..arm.axes() {
@@ -96,15 +111,15 @@ impl Course {
     }
 
     /// Returns the joint positions (rad) of the inverse kinematics `ahead` seconds after a time of the motion (s), near
-    /// to `hint`. Time law and residual of the tool are continued with the accelerations that they have at `time`.
+    /// to `hint`; `s` is the position along the path then. The residual of the tool is continued with the acceleration
+    /// that it has at `time`.
     fn inverse_near(
         &self,
         arm: &Arm,
-        time: f64,
+        (time, s): (f64, f64),
         ahead: f64,
         hint: &Joints,
     ) -> Result<Joints, MotionError> {
-        let s = self.held.state_at(time).advanced(ahead, 0.0).s;
         let tool = self.tool.filter(|tool| time < tool.end());
         let Some((tool, on_path)) = tool.zip(self.tool_pose(s)) else {
             return Ok(self.table.joints_at(arm, s, hint)?);
@@ -126,7 +141,7 @@ impl Course {
     /// Returns the set-point at a time of the motion (s).
     pub(crate) fn set_point(&mut self, arm: &Arm, time: f64) -> Result<SetPoint, MotionError> {
         let path = self.held.state_at(time);
-        let (joints, hint) = self.joints_at(arm, time, &self.hint)?;
+        let (joints, hint) = self.joints_on(arm, time, &path, &self.hint)?;
         self.hint = hint;
         let on_path = time >= self.residual_end();
         let at_end = path.s >= self.path().length() - 1e-10 && path.velocity.abs() < 1e-8;
