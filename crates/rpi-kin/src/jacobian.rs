@@ -2,6 +2,7 @@
 
 use crate::Chain;
 use crate::chain::JointType;
+use crate::model::MAX_AXES;
 use nalgebra::{SMatrix, Vector3, Vector6};
 
 /// Returns the geometric Jacobian at the joint values `q` (rad, m): linear velocity (rows 0 to 2, m/s) of `point` and
@@ -58,7 +59,7 @@ pub fn distance_to_singularity<const N: usize>(
         return f64::NAN;
     }
     // The singular values of the Jacobian are those of the square matrix to which columns of zeros are added.
-    let mut square = SMatrix::<f64, 7, 7>::zeros();
+    let mut square = SMatrix::<f64, MAX_AXES, MAX_AXES>::zeros();
     for (from, mut to) in jacobian.column_iter().zip(square.column_iter_mut()) {
         to.fixed_rows_mut::<6>(0).copy_from(&from);
     }

@@ -7,7 +7,8 @@
 use crate::angle::{HALF_TURN, SinCos};
 use crate::chain::LinkTwist;
 use crate::six_axis::{
-    Joints, MISSING, NearestSearch, Solutions, elbow_bends, nearest_first, reason_for_none,
+    Joints, MISSING, NearestSearch, Solutions, elbow_bends, finite_rotation, nearest_first,
+    reason_for_none,
 };
 use crate::spherical_joint::{self, SphericalJoint};
 use crate::{InverseKinematicsError, Link, Range, Transform};
@@ -113,11 +114,7 @@ impl Geometry {
     }
 
     fn target(&self, flange: &Transform, hint: &Joints) -> Result<Target, InverseKinematicsError> {
-        let rotation = flange.rotation.matrix();
-        if !(flange.translation.vector.iter().chain(rotation.iter())).all(|entry| entry.is_finite())
-        {
-            return Err(InverseKinematicsError::NotFinite);
-        }
+        let rotation = finite_rotation(flange)?;
         Ok(Target {
             x: rotation.column(0).into(),
             z: rotation.column(2).into(),

@@ -1,7 +1,8 @@
 //! Common parts of the closed forms for six-axis arms: up to eight solutions, and the choice of one near to a hint.
 
 use crate::angle::{SinCos, turn_within};
-use crate::{InverseKinematicsError, Range};
+use crate::{InverseKinematicsError, Range, Transform};
+use nalgebra::Matrix3;
 
 /// Joint values of a six-axis arm, in rad.
 pub type Joints = [f64; 6];
@@ -126,6 +127,19 @@ pub(crate) fn distance(joints: &[f64], hint: &[f64]) -> f64 {
         .map(|(joint, hint)| (joint - hint).abs());
     // The largest difference and not the sum: the axis with the longest way determines the time of a move.
     differences.fold(0.0, f64::max)
+}
+
+/// Returns the rotation matrix of a pose.
+///
+/// # Errors
+/// [`InverseKinematicsError::NotFinite`] if an entry of the pose is NaN or infinite.
+pub(crate) fn finite_rotation(pose: &Transform) -> Result<&Matrix3<f64>, InverseKinematicsError> {
+    let rotation = pose.rotation.matrix();
+    let mut entries = pose.translation.vector.iter().chain(rotation.iter());
+    match entries.all(|entry| entry.is_finite()) {
+        true => Ok(rotation),
+        false => Err(InverseKinematicsError::NotFinite),
+    }
 }
 
 /// Returns the two angles (rad) by which the second of two limbs with the lengths `first` and `second` (m) bends

@@ -5,7 +5,8 @@
 
 use crate::angle::{HALF_TURN, SinCos};
 use crate::six_axis::{
-    Joints, MISSING, NearestSearch, Solutions, elbow_bends, nearest_first, reason_for_none,
+    Joints, MISSING, NearestSearch, Solutions, elbow_bends, finite_rotation, nearest_first,
+    reason_for_none,
 };
 use crate::spherical_joint;
 use crate::{InverseKinematicsError, Range, Transform};
@@ -111,11 +112,7 @@ impl Geometry {
     }
 
     fn target(&self, flange: &Transform, hint: &Joints) -> Result<Target, InverseKinematicsError> {
-        let rotation = flange.rotation.matrix();
-        if !(flange.translation.vector.iter().chain(rotation.iter())).all(|entry| entry.is_finite())
-        {
-            return Err(InverseKinematicsError::NotFinite);
-        }
+        let rotation = finite_rotation(flange)?;
         let z: Vector3<f64> = rotation.column(2).into();
         let before_last = flange.translation.vector - z * self.d6;
         Ok(Target {

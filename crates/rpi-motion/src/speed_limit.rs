@@ -81,9 +81,9 @@ const STEADY_ACCELERATION: f64 = 0.7;
 const STEADY_JERK: f64 = 0.6;
 
 /// Returns the maximum constant velocity along the path at a node, and the bound that limits it; `None` if it is the
-/// requested velocity. At a constant velocity v, the acceleration of the tool is k v² and its jerk c v³, with
-/// the curvature k and the magnitude c of the third derivative of the path. The verification checks them together with the acceleration and jerk
-/// along the path.
+/// requested velocity. At a constant velocity v, the acceleration of the tool is k v² and its jerk c v³, with the
+/// curvature k and the magnitude c of the third derivative of the path. The verification checks them together with the
+/// acceleration and jerk along the path.
 pub(crate) fn steady_speed(arm: &Arm, node: &Node, requested: Bounds) -> (f64, Option<SpeedBound>) {
     let curvature = node.largest_curvature();
     let value = curvature.value;
