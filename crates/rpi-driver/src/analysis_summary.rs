@@ -82,7 +82,9 @@ pub(crate) fn record_reports(
     let reports = &front.reports;
     let mut locations = reports.faults.borrow_mut();
     let has_summary = reports.summaries.borrow().is_some();
-    if !has_summary && locations.is_none() && elaborated.stateful_operands.is_empty() {
+    let operands = &elaborated.stateful_operands;
+    let is_requested = has_summary || locations.is_some();
+    if !is_requested && !faults::may_warn(operands, &analysis.net) {
         return Vec::new();
     }
     let possible = faults::faults_of_net(analysis);
@@ -90,7 +92,7 @@ pub(crate) fn record_reports(
         locations.append(&mut faults::locations(&possible));
     }
     reports.add_summary(|| unit_summary(front, unit, analysis, elaborated, &possible));
-    faults::stateful_operand_warnings(&elaborated.stateful_operands, &possible)
+    faults::stateful_operand_warnings(operands, &possible)
 }
 
 fn unit_summary(

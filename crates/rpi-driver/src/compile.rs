@@ -11,12 +11,13 @@ use rpi_syntax::Dialect;
 
 use crate::analysed_net::AnalysedNet;
 use crate::analysis_summary::AnalysisSummary;
+use crate::cell::ArmAxes;
 use crate::coverage_points::{self, CoveragePoints};
 use crate::doctext;
 use crate::file_loader::DiskLoader;
 use crate::input::{Input, InputError, InputKind};
 use crate::modules::Modules;
-use crate::program;
+use crate::program::{self, has_errors};
 use crate::program_tests::Test;
 use crate::roots;
 use crate::task::Task;
@@ -71,17 +72,15 @@ pub struct CompileOptions {
     pub no_files: bool,
     /// Period of a cycle in nanoseconds, for the check of time budgets; `None` for that of the machine description.
     pub period_ns: Option<u64>,
+    /// Where the number of axes of an `Arm` without a static argument comes from.
+    pub arm_axes: ArmAxes,
 }
 
 impl From<ClaimPolicy> for CompileOptions {
     fn from(claims: ClaimPolicy) -> CompileOptions {
         CompileOptions {
             claims,
-            summaries: false,
-            faults: false,
-            marks: false,
-            no_files: false,
-            period_ns: None,
+            ..CompileOptions::default()
         }
     }
 }
@@ -124,8 +123,10 @@ fn program(input: &Input, text: &str, options: CompileOptions) -> Result<Compile
     let mut text = program_text(input, &name, &path, text);
     text.folder = text.folder.filter(|_| !options.no_files);
     let mut modules = text.modules(&mut sources);
+    modules.arm_axes = options.arm_axes.or_from_file(modules.arm_axes);
     // Falling back to the default machine would check budgets against the wrong speed.
-    if let Some(why) = modules.machine_error.take() {
+    let machine = modules.machine_error.take();
+    if let Some(why) = machine.or_else(|| modules.points_error.take()) {
         return Err(why);
     }
     modules.machine.period_ns = options.period_ns.unwrap_or(modules.machine.period_ns);
@@ -133,6 +134,11 @@ fn program(input: &Input, text: &str, options: CompileOptions) -> Result<Compile
     let (mut built, _) = roots::build_modules(&modules, &sources, options);
     let links = doctext::broken_links(&sources, mode, &|| modules.index());
     built.diagnostics.extend(links);
+    if let Some(points) = modules.points.filter(|_| !has_errors(&built.diagnostics)) {
+        built
+            .diagnostics
+            .extend(crate::points::unused_warnings(&modules.index(), points));
+    }
     let mut diagnostics = built.diagnostics;
     crate::fixes::remove_library_fixes(&mut diagnostics, &sources);
     crate::fixes::delete_whole_lines(&mut diagnostics, &sources);

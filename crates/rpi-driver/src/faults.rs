@@ -4,7 +4,8 @@
 use std::collections::BTreeSet;
 
 use rpi_diag::{Code, Diagnostic, Quote, SourceMap, Span};
-use rpi_net::passes::{Analysis, FaultKind, PossibleFault, possible_faults};
+use rpi_net::Net;
+use rpi_net::passes::{Analysis, FaultKind, PossibleFault, possible_faults, unguarded_operations};
 use rpi_sema::elab::LazyOperand;
 
 /// Location of an operation that can fault at run time, because the compiler could not prove the contrary.
@@ -64,6 +65,20 @@ pub(crate) fn lines(found: &[PossibleFault], sources: &SourceMap) -> Vec<(&'stat
     };
     let all = places.iter().map(place);
     std::iter::once(("faults", count)).chain(all).collect()
+}
+
+/// Returns whether [`stateful_operand_warnings`] may warn about these operands. This needs no analysis of the net's values.
+pub(crate) fn may_warn(operands: &[LazyOperand], net: &Net) -> bool {
+    if operands.is_empty() {
+        return false;
+    }
+    let operations = unguarded_operations(net);
+    operands.iter().any(|operand| {
+        let first = operations.partition_point(|node| node.0 < operand.nodes.start);
+        operations
+            .get(first)
+            .is_some_and(|node| node.0 < operand.nodes.end)
+    })
 }
 
 /// Returns warnings about operations that can fault in operands with state. The operators do not always need these

@@ -22,6 +22,7 @@
 mod analysed_net;
 mod analysis_summary;
 mod cancel_fix;
+mod cell;
 mod compile;
 mod coverage_points;
 mod doctext;
@@ -39,6 +40,7 @@ mod lowering;
 mod machine;
 mod modules;
 mod node;
+mod points;
 mod program;
 mod program_tests;
 mod project;
@@ -51,6 +53,7 @@ mod violation;
 
 pub use analysed_net::AnalysedNet;
 pub use analysis_summary::AnalysisSummary;
+pub use cell::ArmAxes;
 pub use compile::{
     CompileOptions, Compiled, Program, UnboundCommand, compile, compile_example, compile_with,
 };

@@ -11,9 +11,11 @@ use rpi_sema::query::Index;
 use rpi_syntax::ast::{File, Ident, Item, ItemKind};
 use rpi_syntax::{Dialect, Name, parse};
 
+use crate::cell;
 use crate::file_loader::FileLoader;
 use crate::input::InputError;
 use crate::machine::load_machine;
+use crate::points;
 use crate::program::SourceText;
 
 /// Module of the standard library: its name and its source text.
@@ -64,6 +66,12 @@ pub(crate) struct Modules {
     pub(crate) machine: MachineProfile,
     /// Error in the machine description; `None` if there is none. With an error, `machine` is the default.
     pub(crate) machine_error: Option<InputError>,
+    /// File with the taught points of the module `points`; `None` if the program does not use it.
+    pub(crate) points: Option<FileId>,
+    /// Error in the file with the taught points; `None` if there is none.
+    pub(crate) points_error: Option<InputError>,
+    /// Number of axes of the arms of the cell that `cell.toml` in the folder describes; `None` if it does not decide it.
+    pub(crate) arm_axes: Option<u32>,
     pub(crate) diagnostics: Vec<Diagnostic>,
 }
 
@@ -145,6 +153,8 @@ struct Loader<'a> {
     modules: Vec<Module>,
     diagnostics: Vec<Diagnostic>,
     pending: VecDeque<String>,
+    points: Option<FileId>,
+    points_error: Option<InputError>,
 }
 
 impl<'a> Loader<'a> {
@@ -160,6 +170,8 @@ impl<'a> Loader<'a> {
             modules: Vec::new(),
             diagnostics: Vec::new(),
             pending: VecDeque::new(),
+            points: None,
+            points_error: None,
         }
     }
 
@@ -174,7 +186,13 @@ impl<'a> Loader<'a> {
             self.find(&name);
         }
         let machine = load_machine(self.folder.as_deref(), self.disk);
+        // Only programs that can name an arm need the description of the cell.
+        let uses_arms = self.modules.iter().any(|module| module.name == "motion");
+        let folder = self.folder.as_deref().filter(|_| uses_arms);
         Modules {
+            arm_axes: folder.and_then(|folder| cell::arm_axes(folder, self.disk)),
+            points: self.points,
+            points_error: self.points_error,
             machine: machine.as_ref().copied().unwrap_or_default(),
             machine_error: machine.err(),
             modules: self.modules,
@@ -182,7 +200,14 @@ impl<'a> Loader<'a> {
         }
     }
 
-    fn module(&mut self, name: &str, path: &str, text: &str, mode: Dialect, implicit: bool) {
+    fn module(
+        &mut self,
+        name: &str,
+        path: &str,
+        text: &str,
+        mode: Dialect,
+        implicit: bool,
+    ) -> FileId {
         let file = self.sources.add(path, text);
         let mut files = vec![self.parse(file, text, mode)];
         // `files` grows during the loop, because an included file may include others.
@@ -201,6 +226,7 @@ impl<'a> Loader<'a> {
             files,
             implicit,
         });
+        file
     }
 
     fn parse(&mut self, file: FileId, text: &str, mode: Dialect) -> File {
@@ -267,17 +293,36 @@ impl<'a> Loader<'a> {
         if let Some(path) = beside
             && let Some(text) = self.disk.text(&path)
         {
-            return self.module(
-                name,
-                &path.display().to_string(),
-                &text,
-                Dialect::Rpi,
-                false,
-            );
+            let path = path.display().to_string();
+            self.module(name, &path, &text, Dialect::Rpi, false);
+            return;
+        }
+        if name == points::MODULE && self.load_points() {
+            return;
         }
         if let Some(library) = LIBRARY.iter().find(|library| library.name == name) {
             self.library(library);
         }
+    }
+}
+
+impl Loader<'_> {
+    /// Loads the module of the taught points from the file in the folder of the program. Returns false if there is no such
+    /// file.
+    fn load_points(&mut self) -> bool {
+        let path = self.folder.as_ref().map(|folder| folder.join(points::FILE));
+        let Some((path, text)) = path.and_then(|path| Some((path.clone(), self.disk.text(&path)?)))
+        else {
+            return false;
+        };
+        let module =
+            points::module_text(&path, &text, &self.modules[0].name).unwrap_or_else(|error| {
+                self.points_error = Some(error);
+                String::new()
+            });
+        let name = path.display().to_string();
+        self.points = Some(self.module(points::MODULE, &name, &module, Dialect::Rpi, false));
+        true
     }
 }
 

@@ -75,8 +75,9 @@ fn check_and_build<T>(
     back: impl FnOnce(&AnalysedProgram<'_>, &mut Vec<Diagnostic>) -> T,
 ) -> (T, Vec<Diagnostic>, CheckedProgram) {
     let texts = modules.sources();
-    let (program, mut diagnostics) =
+    let (mut program, mut diagnostics) =
         Program::collect_with_library(&texts, crate::modules::LIBRARY_NAMES);
+    program.arm_axes = modules.arm_axes;
     diagnostics.splice(0..0, modules.diagnostics.iter().cloned());
     let mut checked = check(&program);
     diagnostics.append(&mut checked.diagnostics);

@@ -20,7 +20,9 @@ mod noise;
 pub mod udp;
 
 pub use bank::{DeviceStatus, MAX_DEVICES, NamedDevice, OpenError, SimBank};
-pub use cell::{Cell, CellError, CellErrors, robot};
+pub use cell::{
+    Cell, CellError, CellErrors, PointsFile, TaughtPoint, TaughtPose, WorkFrame, robot,
+};
 pub use device::PortInfo;
 pub use fault::{FaultKind, ScheduledFault};
 pub use kinds::{KeyInfo, Settings, SmallKind, SmallSpec};

@@ -4,7 +4,7 @@ use std::error::Error;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
-use rpi_driver::{AnalysedNet, Compiled, Program, Task};
+use rpi_driver::{AnalysedNet, ArmAxes, Compiled, Program, Task};
 use rpi_image::Image;
 use rpi_serve::TaskBundle;
 use rpi_sim::Cell;
@@ -114,6 +114,16 @@ fn check_image_period(image: &Image, target: &Target) -> Result<Image, Box<dyn E
 pub(crate) fn cell_file(program: &Path, target: &Target) -> PathBuf {
     let beside = || program.with_file_name("cell.toml");
     target.cell.clone().unwrap_or_else(beside)
+}
+
+/// Returns where the number of axes of an `Arm` without a static argument comes from: the cell that the option names, else
+/// `cell.toml` beside the program.
+pub(crate) fn arm_axes(target: &Target) -> Result<ArmAxes, Box<dyn Error>> {
+    let Some(path) = &target.cell else {
+        return Ok(ArmAxes::CellFile);
+    };
+    let (cell, _) = cell_file::read(path)?;
+    Ok(cell.arm_axes().into())
 }
 
 /// Reads the cell description, and returns the cell and the text of the description. Without a file, returns a cell

@@ -19,7 +19,7 @@ pub static PANDA: ArmModel = ArmModel {
         fixed_links: &FLANGE,
     },
     limits: &LIMITS,
-    inverse: InverseKinematics::DampedLeastSquares { held_axis: Some(6) },
+    inverse: InverseKinematics::DampedLeastSquares { held_axis: Some(2) },
 };
 
 static LINKS: [Link; 7] = [

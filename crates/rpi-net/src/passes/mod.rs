@@ -30,7 +30,7 @@ pub use analysis::{Analysis, PASSES, Pass, analyse, analyse_unless_cyclic, has_d
 pub use cancellation::is_cancel_ignored;
 pub use conjunction::Conjunction;
 pub use dependencies::{Dependencies, Dependency, Reader};
-pub use fault_analysis::{FaultKind, PossibleFault, possible_faults};
+pub use fault_analysis::{FaultKind, PossibleFault, possible_faults, unguarded_operations};
 pub use presence::{FlowPresence, Presences, View};
 pub use schedule::Schedule;
 pub use termination::{is_endless, is_unreachable};

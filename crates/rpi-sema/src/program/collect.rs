@@ -48,6 +48,7 @@ impl<'a> Program<'a> {
             implicit: implicit.map(|(id, _)| id).collect(),
             ambiguous_names: Default::default(),
             library,
+            arm_axes: None,
             extents: collector.extents,
         };
         (program, collector.diagnostics)

@@ -195,6 +195,9 @@ pub struct Program<'a> {
     ambiguous_names: RefCell<BTreeMap<(Span, Name), Span>>,
     /// Modules that the program could use, whether it does or not, for suggestions.
     pub library: Library,
+    /// Number of axes of an `Arm` without a static argument: that of the arms of the cell. `None` for the default that the
+    /// library declares.
+    pub arm_axes: Option<u32>,
     /// Locations of all declarations as a whole, in the order of the files.
     pub extents: Vec<Extent>,
 }

@@ -191,6 +191,7 @@ mod tests {
                 language,
                 text: text.into(),
                 command: None,
+                arm_axes: None,
             },
             period_ns: 2_000_000,
             tick_ns: 1_000_000,

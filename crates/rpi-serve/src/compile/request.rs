@@ -32,6 +32,8 @@ pub(crate) struct Source {
     pub(crate) text: Arc<str>,
     /// Name of the command or task within the text; `None` if there is only one.
     pub(crate) command: Option<String>,
+    /// Number of axes of the arms of the cell; `None` if they differ.
+    pub(crate) arm_axes: Option<u32>,
 }
 
 /// Request to compile a text.
@@ -55,12 +57,16 @@ encode_struct!(CompileRequest {
 });
 
 impl Encoding for Source {
-    const MIN_BYTES: usize = Language::MIN_BYTES + String::MIN_BYTES + Option::<String>::MIN_BYTES;
+    const MIN_BYTES: usize = Language::MIN_BYTES
+        + String::MIN_BYTES
+        + Option::<String>::MIN_BYTES
+        + Option::<u32>::MIN_BYTES;
 
     fn encode(&self, out: &mut Bytes) {
         self.language.encode(out);
         String::from(&*self.text).encode(out);
         self.command.encode(out);
+        self.arm_axes.encode(out);
     }
 
     fn decode(from: &mut Reader<'_>) -> Result<Source, ReadError> {
@@ -68,6 +74,7 @@ impl Encoding for Source {
             language: Language::decode(from)?,
             text: String::decode(from)?.into(),
             command: Option::decode(from)?,
+            arm_axes: Option::decode(from)?,
         })
     }
 }

@@ -113,6 +113,7 @@ fn compiled(source: &Source) -> Result<Compiled, Vec<String>> {
         claims: rpi_driver::ClaimPolicy::Off,
         // The text has no file, so it must not load modules from the server's folders.
         no_files: true,
+        arm_axes: source.arm_axes.into(),
         ..Default::default()
     };
     let compiled = rpi_driver::compile_with(&input, options);

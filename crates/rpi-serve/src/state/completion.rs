@@ -255,6 +255,7 @@ mod tests {
                 language: Language::Rpinet,
                 text: (text + "}").into(),
                 command: None,
+                arm_axes: None,
             },
             period_ns: 1_000_000,
             tick_ns: 1_000_000,

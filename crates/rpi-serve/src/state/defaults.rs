@@ -2,11 +2,13 @@
 
 use rpi_core::{CommandOverrunPolicy, Continuity};
 
-/// Tick length, and policies that apply to commands unless their clients specify others.
+/// Tick length, axes of the arms, and policies that apply to commands unless their clients specify others.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct CommandDefaults {
     /// Length of a tick in nanoseconds; at least 1.
     pub(super) tick_ns: u64,
+    /// Number of axes of the arms of the cell; `None` if they differ.
+    pub(crate) arm_axes: Option<u32>,
     /// Policy for a command whose cycles take too long, unless its client specifies one.
     pub(super) on_overrun: CommandOverrunPolicy,
     /// Policy for a takeover with a discontinuity of the set-points; `None` for the default of the command's language.

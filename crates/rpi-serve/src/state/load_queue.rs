@@ -168,6 +168,7 @@ mod tests {
                     language: Language::Rpi,
                     text: "".into(),
                     command: None,
+                    arm_axes: None,
                 },
                 period_ns: 1,
                 tick_ns: 1,

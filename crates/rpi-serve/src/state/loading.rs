@@ -162,6 +162,7 @@ impl Loading<'_> {
                     language: load.language,
                     text: load.text.into(),
                     command: load.command.map(str::to_owned),
+                    arm_axes: self.defaults.arm_axes,
                 },
                 period_ns: self.defaults.round_period(load.period_ns),
                 tick_ns: self.defaults.tick_ns,

@@ -145,6 +145,7 @@ impl SharedState {
             limits,
             defaults: CommandDefaults {
                 tick_ns,
+                arm_axes: cell.arm_axes(),
                 on_overrun: settings
                     .real_time
                     .map(|r| r.command_overrun)

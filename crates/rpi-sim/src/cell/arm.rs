@@ -2,20 +2,22 @@
 
 use super::faults;
 use super::periods::read_periods;
+use super::pose::read_pose_at;
 use super::quantity::Dimension::{
     self, Acceleration, Angle, AngularAcceleration, AngularJerk, AngularVelocity, Jerk, Length,
     Number, Time, Velocity,
 };
 use super::quantity::unit_suffix;
 use super::reader::TableReader;
-use super::robot::{self, ROBOT_FILES};
+use super::robot::{self, ROBOT_FILES, RobotDescription};
+use super::value::Node;
 use super::words::WordOrFile;
 use crate::fault::ScheduledFault;
 use crate::udp::UdpSpec;
-use nalgebra::{Isometry3, Quaternion, Translation3, UnitQuaternion};
+use nalgebra::Isometry3;
 use rpi_kin::chain::JointType;
 use rpi_kin::state_to_rest::Bounds;
-use rpi_kin::{ArmModel, AxisLimits, models};
+use rpi_kin::{ArmModel, AxisLimits, Range, models};
 use std::net::SocketAddr;
 
 /// Description of an arm, linear unit or positioner of a cell.
@@ -99,25 +101,29 @@ pub(super) const REVOLUTE: AxisDimensions =
     [Angle, AngularVelocity, AngularAcceleration, AngularJerk];
 pub(super) const PRISMATIC: AxisDimensions = [Length, Velocity, Acceleration, Jerk];
 
+/// Value of the key `joints` that stands for the home position of the robot description.
+const HOME: &str = "home";
+
 /// Models with the most and the fewest axes, of different types. What they accept together, the schema accepts.
 const EXTREMES: [&ArmModel; 2] = [&models::kuka_lbr::LWR_4_PLUS, &models::linear::LINEAR_UNIT];
 
 pub(super) fn read(reader: &mut TableReader<'_>) -> Option<ArmSpec> {
-    let Some(model) = read_model(reader) else {
+    let Some(robot) = read_model(reader) else {
         // The valid values of the other keys depend on the model. Without a model, the keys only count as known.
         for model in EXTREMES {
-            reader.mark_known(|other| drop(read_of(other, model)));
+            reader.mark_known(|other| drop(read_of(other, model, None)));
         }
         return None;
     };
-    let spec = read_of(reader, model);
+    let spec = read_of(reader, robot.model, robot.home.as_deref());
     check_start(reader, &spec);
     Some(spec)
 }
 
 /// Reads the keys of a kind that stands for the built-in model `model`, such as `kind = "linear-unit"`.
 pub(super) fn read_built_in(reader: &mut TableReader<'_>, model: &str) -> Option<ArmSpec> {
-    let spec = read_of(reader, robot::builtin(model)?);
+    let robot = robot::read_builtin(model)?.ok()?;
+    let spec = read_of(reader, robot.model, robot.home.as_deref());
     check_start(reader, &spec);
     Some(spec)
 }
@@ -159,22 +165,24 @@ fn axis_dimensions(model: &ArmModel, axis: usize) -> AxisDimensions {
     }
 }
 
-fn read_of(reader: &mut TableReader<'_>, model: &'static ArmModel) -> ArmSpec {
+/// Reads the keys that depend on the model of the arm. `home` are the joint positions for which `joints = "home"` stands.
+fn read_of(
+    reader: &mut TableReader<'_>,
+    model: &'static ArmModel,
+    home: Option<&[f64]>,
+) -> ArmSpec {
     let axes = model.axes();
     let dimensions: Vec<AxisDimensions> =
         (0..axes).map(|axis| axis_dimensions(model, axis)).collect();
-    let joints = reader.list_of(
-        "joints",
-        &dimensions.iter().map(|axis| axis[0]).collect::<Vec<_>>(),
-    );
+    let joints = read_start(reader, model, home, &dimensions);
     let limits = read_limits(reader, model.limits, &dimensions);
     let nearest_to_zero =
         |axis: &AxisLimits| 0.0_f64.max(axis.position.lower).min(axis.position.upper);
     ArmSpec {
         model,
         joints: joints.unwrap_or_else(|| limits.iter().map(nearest_to_zero).collect()),
-        base: read_pose(reader, "base"),
-        tool: read_pose(reader, "tool"),
+        base: read_pose_at(reader, "base"),
+        tool: read_pose_at(reader, "tool"),
         limits,
         tool_limits: read_tool_limits(reader),
         enforced: read_enforced(reader),
@@ -186,6 +194,31 @@ fn read_of(reader: &mut TableReader<'_>, model: &'static ArmModel) -> ArmSpec {
         surface: read_surface(reader),
         faults: faults::read(reader, axes),
     }
+}
+
+/// Reads the key `joints`, the positions at the start: a list, or the word `home` for those of the robot description. Returns
+/// `None` if it is missing or invalid.
+fn read_start(
+    reader: &mut TableReader<'_>,
+    model: &ArmModel,
+    home: Option<&[f64]>,
+    dimensions: &[AxisDimensions],
+) -> Option<Vec<f64>> {
+    let own: Vec<Dimension> = dimensions.iter().map(|axis| axis[0]).collect();
+    let at_home = |reader: &mut TableReader<'_>| {
+        reader.keyword("joints", &[HOME])?;
+        if home.is_none() {
+            let message = format!("the description of `{}` has no `home`", model.id);
+            let help =
+                "write the positions, `joints = [..]`, or add `home = [..]` to the description";
+            reader.error_at("joints", message, Some(help.to_owned()));
+        }
+        home.map(<[f64]>::to_vec)
+    };
+    let is_word = |node: Node<'_>| node.get_ref().is_str();
+    reader.either("joints", is_word, at_home, |reader| {
+        reader.list_of("joints", &own)
+    })
 }
 
 /// Reads the key `surface`, a table `{ height = length, stiffness = N/m }`; `None` if it is missing.
@@ -200,8 +233,8 @@ fn read_surface(reader: &mut TableReader<'_>) -> Option<Surface> {
 }
 
 /// Reads the key `model`: the name of a built-in model, or the path of a robot description. Reports an error and
-/// returns `None` if there is no such model.
-fn read_model(reader: &mut TableReader<'_>) -> Option<&'static ArmModel> {
+/// returns `None` if there is no such robot.
+fn read_model(reader: &mut TableReader<'_>) -> Option<RobotDescription> {
     let known = robot::builtin_ids();
     let given = reader.keyword_or_file("model", &known, ROBOT_FILES);
     let help = format!(
@@ -210,78 +243,40 @@ fn read_model(reader: &mut TableReader<'_>) -> Option<&'static ArmModel> {
     );
     reader.require("model", &help);
     match given? {
-        WordOrFile::Word(name) => robot::builtin(name),
-        WordOrFile::File(path) => reader.errors.robot(path),
+        WordOrFile::Word(name) => robot::read_builtin(name)?.ok(),
+        WordOrFile::File(path) => reader.errors.robot(path).cloned(),
     }
 }
 
 fn check_start(reader: &TableReader<'_>, spec: &ArmSpec) {
     for (axis, (joint, limits)) in spec.joints.iter().zip(&spec.limits).enumerate() {
         if spec.enforced.position && !limits.position.contains(*joint) {
-            let (lower, upper) = (limits.position.lower, limits.position.upper);
-            let [position, ..] = axis_dimensions(spec.model, axis);
-            let unit = unit_suffix(position);
-            reader.error_at_entry(
-                "joints",
-                axis,
-                format!("initial position {joint}{unit} of joint {axis} is out of range"),
-                Some(format!("the range is {lower:.4} to {upper:.4}{unit}")),
-            );
+            let [dimension, ..] = axis_dimensions(spec.model, axis);
+            let message = position_out_of_range("initial position", axis, *joint, dimension);
+            let help = range_help(&limits.position, dimension);
+            reader.error_at_entry("joints", axis, message, Some(help));
         }
     }
 }
 
-/// Reads a pose: `{ position = [x, y, z], rpy = [roll, pitch, yaw] }`, or the same with `quaternion = [x, y, z, w]`.
-/// Missing parts are 0.
-pub(super) fn read_pose(reader: &mut TableReader<'_>, key: &'static str) -> Isometry3<f64> {
-    let Some(mut pose) = reader.table(key) else {
-        return Isometry3::identity();
-    };
-    let position = pose
-        .reals("position", Length, 3)
-        .unwrap_or_else(|| vec![0.0; 3]);
-    let rpy = pose.reals("rpy", Angle, 3);
-    let quaternion = pose.reals("quaternion", Number, 4);
-    if rpy.is_some() && quaternion.is_some() {
-        pose.error_at(
-            "rpy",
-            "`rpy` and `quaternion` cannot be combined".to_owned(),
-            None,
-        );
-    }
-    let rotation = match (rpy.as_deref(), quaternion.as_deref()) {
-        (Some([roll, pitch, yaw]), _) => from_rpy(*roll, *pitch, *yaw),
-        (_, Some([x, y, z, w])) => checked_unit_quaternion(&pose, Quaternion::new(*w, *x, *y, *z)),
-        _ => UnitQuaternion::identity(),
-    };
-    pose.finish();
-    Isometry3::from_parts(
-        Translation3::new(position[0], position[1], position[2]),
-        rotation,
+/// Returns the message for the position (rad or m) of a joint outside of its range. `what` names the position.
+pub(super) fn position_out_of_range(
+    what: &str,
+    axis: usize,
+    position: f64,
+    dimension: Dimension,
+) -> String {
+    let unit = unit_suffix(dimension);
+    format!("{what} {position}{unit} of joint {axis} is out of range")
+}
+
+/// Returns the help about the range (rad or m) of a joint.
+pub(super) fn range_help(range: &Range, dimension: Dimension) -> String {
+    let unit = unit_suffix(dimension);
+    format!(
+        "the range is {:.4} to {:.4}{unit}",
+        range.lower, range.upper
     )
-}
-
-/// Returns the rotation `Rz(yaw) Ry(pitch) Rx(roll)` for angles in rad, with the same bits on every machine.
-fn from_rpy(roll: f64, pitch: f64, yaw: f64) -> UnitQuaternion<f64> {
-    let about = |angle: f64, x: f64, y: f64, z: f64| {
-        let (sin, cos) = libm::sincos(angle / 2.0);
-        UnitQuaternion::new_unchecked(Quaternion::new(cos, x * sin, y * sin, z * sin))
-    };
-    about(yaw, 0.0, 0.0, 1.0) * about(pitch, 0.0, 1.0, 0.0) * about(roll, 1.0, 0.0, 0.0)
-}
-
-fn checked_unit_quaternion(
-    reader: &TableReader<'_>,
-    quaternion: Quaternion<f64>,
-) -> UnitQuaternion<f64> {
-    let length = quaternion.norm();
-    if (length - 1.0).abs() > 1e-3 {
-        let message = format!("`quaternion` has length {length:.4}, expected 1");
-        let help = "the order is x, y, z, w".to_owned();
-        reader.error_at("quaternion", message, Some(help));
-        return UnitQuaternion::identity();
-    }
-    UnitQuaternion::new_unchecked(quaternion / length)
 }
 
 /// Reads the key `limits`: the limits of an arm are its own, `own`, except where the table has another value, for all

@@ -1,17 +1,18 @@
 //! Collector of the errors that are found while a description is parsed.
 
 use super::error::{CellError, CellErrors};
+use super::robot::RobotDescription;
 use core::ops::Range;
-use rpi_kin::ArmModel;
 use std::cell::RefCell;
 use std::collections::BTreeMap;
 
-/// Collector of the errors that are found while a description is parsed, with the robot models that its devices name.
+/// Collector of the errors that are found while a description is parsed, with the robot descriptions that its devices
+/// name.
 #[derive(Default)]
 pub(super) struct ErrorCollector {
     errors: RefCell<Vec<CellError>>,
-    /// Models read from robot descriptions, by the path that the cell names.
-    robots: BTreeMap<String, &'static ArmModel>,
+    /// Robot descriptions, by the path that the cell names.
+    robots: BTreeMap<String, RobotDescription>,
 }
 
 impl ErrorCollector {
@@ -23,15 +24,14 @@ impl ErrorCollector {
         });
     }
 
-    /// Adds the models that were read from robot descriptions, by the paths with which devices name them.
-    pub(super) fn with_robots(self, robots: BTreeMap<String, &'static ArmModel>) -> Self {
+    /// Adds robot descriptions, by the paths with which devices name them.
+    pub(super) fn with_robots(self, robots: BTreeMap<String, RobotDescription>) -> Self {
         Self { robots, ..self }
     }
 
-    /// Returns the model that was read from the robot description at `path`; `None` if it has errors, which have
-    /// already been reported.
-    pub(super) fn robot(&self, path: &str) -> Option<&'static ArmModel> {
-        self.robots.get(path).copied()
+    /// Returns the robot description at `path`; `None` if it has errors, which have already been reported.
+    pub(super) fn robot(&self, path: &str) -> Option<&RobotDescription> {
+        self.robots.get(path)
     }
 
     /// Reports the errors of another file, all at the place `span` of this one.

@@ -12,6 +12,8 @@ mod json;
 mod kind;
 mod numbers;
 mod periods;
+mod points;
+mod pose;
 pub(crate) mod quantity;
 mod reader;
 pub mod robot;
@@ -26,14 +28,14 @@ pub use arm::{ArmSpec, EnforcedLimits, Surface};
 pub use error::{CellError, CellErrors};
 pub use io::{InputChange, IoSpec, TerminalSpec};
 pub use kind::{DeviceKind, KindInfo};
+pub use points::{PointsFile, TaughtPoint, TaughtPose, WorkFrame};
 pub use simple_devices::BaseSpec;
 
 use collector::ErrorCollector;
 use core::cell::RefCell;
 use reader::TableReader;
 use robot::{AttachedFiles, NoFiles, RobotDescription, RobotFiles, is_robot_file};
-use rpi_kin::ArmModel;
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 use toml::de::DeTable;
 
 /// Description of a robot cell: its devices and common settings.
@@ -121,6 +123,19 @@ impl Cell {
         self.devices.iter().find(|device| device.name == name)
     }
 
+    /// Returns the number of axes that all arms of the cell have; `None` if the cell has no arm or different ones. An arm can
+    /// place its tool freely, so devices with one or two axes do not count.
+    #[must_use]
+    pub fn arm_axes(&self) -> Option<u32> {
+        let axes = self.devices.iter().filter_map(|device| match &device.kind {
+            DeviceKind::Arm(arm) => Some(arm.model.axes()).filter(|axes| *axes >= 3),
+            _ => None,
+        });
+        let mut different = axes.collect::<BTreeSet<usize>>().into_iter();
+        let only = different.next().filter(|_| different.next().is_none());
+        only.and_then(|axes| u32::try_from(axes).ok())
+    }
+
     fn read(mut reader: TableReader<'_>) -> Self {
         let name = reader.text("name").unwrap_or_default().to_owned();
         let seed = reader.index("seed", u64::MAX).unwrap_or(0);
@@ -161,7 +176,7 @@ fn read_document<T>(
 fn read_document_with<T>(
     file: &str,
     text: &str,
-    read_robots: impl FnOnce(&DeTable<'_>, &ErrorCollector) -> BTreeMap<String, &'static ArmModel>,
+    read_robots: impl FnOnce(&DeTable<'_>, &ErrorCollector) -> BTreeMap<String, RobotDescription>,
     read: impl FnOnce(TableReader<'_>) -> T,
 ) -> Result<T, CellErrors> {
     let faults = ErrorCollector::default();
@@ -190,14 +205,14 @@ fn read_document_with<T>(
     }
 }
 
-/// Reads the robot descriptions that the devices of a cell name, and returns their models by path. Errors of a
-/// description are reported at the key that names it. `used` receives the texts of the files.
+/// Reads the robot descriptions that the devices of a cell name, and returns them by path. Errors of a description are
+/// reported at the key that names it. `used` receives the texts of the files.
 fn read_robots(
     document: &DeTable<'_>,
     errors: &ErrorCollector,
     files: &dyn RobotFiles,
     used: &mut BTreeMap<String, String>,
-) -> BTreeMap<String, &'static ArmModel> {
+) -> BTreeMap<String, RobotDescription> {
     let silent = ErrorCollector::default();
     let mut reader = TableReader::new(document, 0..0, &silent);
     let attached = reader.tables("robot_files").into_iter();
@@ -222,7 +237,7 @@ fn read_robots(
             continue;
         }
         match RobotDescription::open(path, &files) {
-            Ok(found) => drop(robots.insert(path.to_owned(), found.model)),
+            Ok(found) => drop(robots.insert(path.to_owned(), found)),
             Err(nested) => errors.add_nested(node.span(), &nested),
         }
     }

@@ -8,11 +8,12 @@ use crate::check::signatures::static_args::StaticBindings;
 use crate::check::signatures::static_params;
 use crate::check::types::type_decls::check_fields;
 use crate::check::types::value_types;
-use crate::check::{Checker, Lazy};
+use crate::check::{Checker, Constant, Lazy};
 use crate::program::DeclId;
 use crate::ty::{DevicePortTy, DeviceTy, Ty};
 use crate::typed::{Unit, UnitKind};
 use rpi_diag::Span;
+use rpi_image::Value;
 use rpi_syntax::ast::{DeviceDecl, DeviceSection, NamedType, PortKind, Type, TypeKind, VarDecl};
 use std::rc::Rc;
 
@@ -26,15 +27,43 @@ pub(crate) fn resolve_device_type<'a>(
 ) -> Ty {
     let bound = static_args::bind_statics(cx, id, &named.statics);
     let mut statics = bound.statics;
-    static_params::add_default_statics(cx.checker, id, &mut statics);
+    add_defaults(cx.checker, id, decl, &mut statics);
     device_type_instance(cx.checker, id, decl, &Rc::new(statics))
 }
 
 /// Checks the declaration of a device type on its own.
 pub(crate) fn check_device<'a>(checker: &mut Checker<'a>, id: DeclId, decl: &'a DeviceDecl) {
     let mut statics = StaticBindings::new();
-    static_params::add_default_statics(checker, id, &mut statics);
+    add_defaults(checker, id, decl, &mut statics);
     device_type_instance(checker, id, decl, &Rc::new(statics));
+}
+
+/// Module and name of the device type whose number of axes the cell decides.
+const ARM: (&str, &str) = ("motion", "Arm");
+
+/// Adds to `statics` the values of the static parameters of a device type that have no argument: for the arm of the library
+/// the number of axes of the cell's arms if it is known, otherwise the defaults.
+fn add_defaults<'a>(
+    checker: &mut Checker<'a>,
+    id: DeclId,
+    decl: &'a DeviceDecl,
+    statics: &mut StaticBindings,
+) {
+    let program = checker.program;
+    let module = &program.module(program.decl(id).module).name;
+    let is_arm = (module.as_str(), decl.name.name.as_str()) == ARM;
+    let axes = static_params::static_params(&decl.statics)
+        .into_iter()
+        .next();
+    if let (true, Some(count), Some(axes)) = (is_arm, program.arm_axes, axes) {
+        let count = Constant {
+            ty: Ty::Int,
+            leaves: [Value::int(i64::from(count))].into(),
+        };
+        let name = axes.name().name.clone();
+        statics.entry(name).or_insert(StaticBinding::Value(count));
+    }
+    static_params::add_default_statics(checker, id, statics);
 }
 
 /// Returns the type that a device declaration defines for these static arguments.

@@ -52,7 +52,7 @@ pub fn builtin_ids() -> Vec<&'static str> {
 }
 
 /// Reads the description of a built-in robot model by its name, such as `ur5e`; `None` if there is no such model.
-pub(super) fn read(id: &str) -> Option<Result<RobotDescription, CellErrors>> {
+pub(in crate::cell) fn read(id: &str) -> Option<Result<RobotDescription, CellErrors>> {
     let name = format!("{id}.toml");
     let (_, text) = FILES.iter().find(|(file, _)| *file == name)?;
     Some(RobotDescription::parse(&name, text, &BuiltinFiles))

@@ -4,9 +4,10 @@ use super::kinematics::{Joint, Kinematics};
 use super::limits::{self, Limits};
 use super::store::{MAX_MODELS, NewModel};
 use super::{RobotFiles, dh, opw, urdf};
+use crate::cell::arm::{position_out_of_range, range_help};
 use crate::cell::error::CellErrors;
 use crate::cell::reader::TableReader;
-use rpi_kin::{ArmModel, InverseKinematics, MAX_AXES};
+use rpi_kin::{ArmModel, AxisLimits, InverseKinematics, MAX_AXES};
 
 /// Robot as its description file gives it.
 #[derive(Clone, Debug)]
@@ -15,6 +16,9 @@ pub struct RobotDescription {
     pub model: &'static ArmModel,
     /// Names of the axes, in order from the base.
     pub axes: Vec<String>,
+    /// Joint positions, in rad (m for a prismatic axis), at which arms of a cell can start: `joints = "home"`. `None` if the
+    /// description has none.
+    pub home: Option<Vec<f64>>,
     /// Limits that are assumed because the description does not give them, one text for each, such as `jerk
     /// (acceleration / 0.05 s)`.
     pub assumed: Vec<String>,
@@ -57,6 +61,7 @@ pub(super) fn read_table(
             let count = joints.len() as u64;
             reader.mark_known(|reader| drop(limits::read(reader, &joints)));
             reader.mark_known(|reader| _ = (texts(reader), reader.index("held_axis", count)));
+            reader.mark_known(|reader| drop(read_home(reader, &joints, &[])));
         }
         reader.finish();
         return None;
@@ -74,6 +79,8 @@ pub(super) fn described(
 ) -> Option<RobotDescription> {
     let count = kinematics.joints.len();
     let limits = read_limits(&mut reader, &kinematics.joints);
+    let ranges = limits.as_ref().map_or(&[][..], |limits| &limits.axes);
+    let home = read_home(&mut reader, &kinematics.joints, ranges);
     let held_axis = reader.index("held_axis", count as u64);
     let held_axis = held_axis.and_then(|axis| usize::try_from(axis).ok());
     let [title, source] = texts(&mut reader).map(|text| text.map(str::to_owned));
@@ -102,9 +109,32 @@ pub(super) fn described(
     Some(RobotDescription {
         model,
         axes: axes.collect(),
+        home,
         assumed,
         meshes: kinematics.meshes,
     })
+}
+
+/// Reads the key `home`: joint positions within the ranges of `limits`, in rad (m for a prismatic axis). Reports positions
+/// outside of their range.
+fn read_home(
+    reader: &mut TableReader<'_>,
+    joints: &[Joint],
+    limits: &[AxisLimits],
+) -> Option<Vec<f64>> {
+    let own: Vec<_> = joints
+        .iter()
+        .map(|joint| limits::dimensions(joint)[0])
+        .collect();
+    let home = reader.list_of("home", &own)?;
+    for (axis, (position, limits)) in home.iter().zip(limits).enumerate() {
+        if !limits.position.contains(*position) {
+            let message = position_out_of_range("position", axis, *position, own[axis]);
+            let help = range_help(&limits.position, own[axis]);
+            reader.error_at_entry("home", axis, message, Some(help));
+        }
+    }
+    Some(home)
 }
 
 fn kept(reader: &TableReader<'_>, new: NewModel) -> Option<&'static ArmModel> {

@@ -2,7 +2,7 @@
 
 use super::kinematics::{Joint, Kinematics, Row};
 use super::opw::SIGN;
-use crate::cell::arm::read_pose;
+use crate::cell::pose::read_pose_at;
 use crate::cell::quantity::Dimension::{Angle, Length};
 use crate::cell::reader::TableReader;
 use crate::cell::shape::ListLength;
@@ -60,7 +60,7 @@ pub(super) fn read(table: &mut TableReader<'_>) -> Option<Kinematics> {
 
 /// Reads a pose as a transform; `None` if the key is missing or the pose is the identity.
 fn read_transform(table: &mut TableReader<'_>, key: &'static str) -> Option<Transform> {
-    let pose = read_pose(table, key);
+    let pose = read_pose_at(table, key);
     (pose != rpi_kin::Pose::identity()).then(|| to_transform(&pose))
 }
 

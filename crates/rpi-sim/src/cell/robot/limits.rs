@@ -71,7 +71,8 @@ fn read_table(table: &mut TableReader<'_>, joints: &[Joint], known: &mut [KnownL
     }
 }
 
-fn dimensions(joint: &Joint) -> AxisDimensions {
+/// Returns the dimensions of position, velocity, acceleration and jerk of a joint.
+pub(super) fn dimensions(joint: &Joint) -> AxisDimensions {
     match joint.kind {
         JointType::Revolute => REVOLUTE,
         JointType::Prismatic => PRISMATIC,

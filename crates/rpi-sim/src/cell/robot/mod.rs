@@ -19,6 +19,7 @@ mod urdf;
 mod urdf_joint;
 mod urdf_tree;
 
+pub(super) use builtin::read as read_builtin;
 pub use builtin::{builtin, builtin_ids};
 pub use description::{Mesh, RobotDescription};
 pub use drawing::drawing;

@@ -1,0 +1,173 @@
+//! Taught points and work frames (`points.toml`): places that programs name.
+
+use super::error::CellErrors;
+use super::pose::read_pose;
+use super::quantity::Dimension::Angle;
+use super::reader::TableReader;
+use super::{read_document, schema};
+use core::ops::Range;
+use nalgebra::Isometry3;
+
+/// Points and work frames of a file `points.toml`, each list in text order.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct PointsFile {
+    /// Work frames, such as that of a table.
+    pub frames: Vec<WorkFrame>,
+    /// Points that were taught.
+    pub points: Vec<TaughtPoint>,
+}
+
+/// Work frame: a coordinate frame in which points are given.
+#[derive(Clone, Debug, PartialEq)]
+pub struct WorkFrame {
+    /// Name of the frame.
+    pub name: String,
+    /// Bytes of the name in the text.
+    pub span: Range<usize>,
+    /// Frame in which the pose is given; `None` for the base of the arm.
+    pub parent: Option<String>,
+    /// Pose of the frame in its parent.
+    pub pose: TaughtPose,
+}
+
+/// Pose of a work frame or of the tool at a point.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct TaughtPose {
+    /// Position, m.
+    pub position: [f64; 3],
+    /// Orientation as a rotation vector: the axis of the rotation times its angle, rad.
+    pub rotation: [f64; 3],
+}
+
+impl TaughtPose {
+    fn new(pose: &Isometry3<f64>) -> Self {
+        Self {
+            position: pose.translation.vector.into(),
+            rotation: pose.rotation.scaled_axis().into(),
+        }
+    }
+}
+
+/// Point that was taught: a pose of the tool, joint positions, or both.
+#[derive(Clone, Debug, PartialEq)]
+pub struct TaughtPoint {
+    /// Name of the point.
+    pub name: String,
+    /// Bytes of the name in the text.
+    pub span: Range<usize>,
+    /// Frame in which the pose is given; `None` for the base of the arm.
+    pub frame: Option<String>,
+    /// Pose of the tool in the frame; `None` for a point that has joint positions only.
+    pub pose: Option<TaughtPose>,
+    /// Joint positions at which the point was taken, rad; `None` if the file does not give them.
+    pub joints: Option<Vec<f64>>,
+}
+
+impl PointsFile {
+    /// Parses a file with points. `file` is the name of the file, for messages only.
+    ///
+    /// # Errors
+    /// Returns all errors of the text, with their positions.
+    pub fn parse(file: &str, text: &str) -> Result<Self, CellErrors> {
+        read_document(file, text, read)
+    }
+
+    /// Returns the JSON schema of files with points, for editors.
+    #[must_use]
+    pub fn schema() -> String {
+        schema::schema("points", "Taught points (points.toml)", |reader| {
+            drop(read(reader))
+        })
+    }
+}
+
+fn read(mut reader: TableReader<'_>) -> PointsFile {
+    let frames = read_entries(&mut reader, "frames", read_frame);
+    let points = read_entries(&mut reader, "points", read_point);
+    let names = frames.iter().map(|frame| (&frame.name, &frame.span));
+    let names = names.chain(points.iter().map(|point| (&point.name, &point.span)));
+    check_names(&reader, names.collect());
+    reader.finish();
+    PointsFile { frames, points }
+}
+
+/// Reads the tables of the table at `key`, whose keys are names, by `read`.
+fn read_entries<T>(
+    reader: &mut TableReader<'_>,
+    key: &'static str,
+    read: fn(&str, Range<usize>, TableReader<'_>) -> T,
+) -> Vec<T> {
+    let mut all = Vec::new();
+    let tables = reader.table(key);
+    for (name, span, entry) in tables.iter().flat_map(TableReader::named_tables) {
+        match entry {
+            Some(entry) => all.push(read(name, span, entry)),
+            None => {
+                let message = format!("`{name}` must be a table");
+                let help = format!("write [{key}.{name}]");
+                reader.errors.add(span, message, Some(help));
+            }
+        }
+    }
+    all
+}
+
+fn read_frame(name: &str, span: Range<usize>, mut reader: TableReader<'_>) -> WorkFrame {
+    let parent = reader.text("in").map(str::to_owned);
+    let pose = TaughtPose::new(&read_pose(&mut reader));
+    reader.finish();
+    WorkFrame {
+        name: name.to_owned(),
+        span,
+        parent,
+        pose,
+    }
+}
+
+fn read_point(name: &str, span: Range<usize>, mut reader: TableReader<'_>) -> TaughtPoint {
+    let frame = reader.text("in").map(str::to_owned);
+    let has_pose = ["position", "rpy", "quaternion"]
+        .iter()
+        .any(|key| reader.has(key));
+    let pose = TaughtPose::new(&read_pose(&mut reader));
+    let joints = reader.reals_of_any_length("joints", Angle);
+    if !has_pose && !reader.has("joints") && reader.recorder.is_none() {
+        let message = format!("the point `{name}` has no place");
+        let help = "write `position = [x, y, z]` and `rpy = [..]` or `quaternion = [..]`, or `joints = [..]`";
+        reader.error_at("position", message, Some(help.to_owned()));
+    }
+    reader.finish();
+    TaughtPoint {
+        name: name.to_owned(),
+        span,
+        frame,
+        pose: has_pose.then_some(pose),
+        joints,
+    }
+}
+
+/// Reports names that programs cannot write, and names of a frame and a point that are the same.
+fn check_names(reader: &TableReader<'_>, mut names: Vec<(&String, &Range<usize>)>) {
+    for (name, span) in &names {
+        if !is_name(name) {
+            let message = format!("`{name}` is not a name that a program can write");
+            let help = "use letters, digits and `_`, with a letter first".to_owned();
+            reader.errors.add((*span).clone(), message, Some(help));
+        }
+    }
+    names.sort_by_key(|(name, span)| (*name, span.start));
+    for pair in names.windows(2) {
+        if let [(first, _), (second, span)] = pair
+            && first == second
+        {
+            let message = format!("`{second}` is a frame and a point");
+            let help = "give them different names".to_owned();
+            reader.errors.add((*span).clone(), message, Some(help));
+        }
+    }
+}
+
+fn is_name(name: &str) -> bool {
+    let is_word = |c: char| c.is_ascii_alphanumeric() || c == '_';
+    name.starts_with(|c: char| c.is_ascii_alphabetic()) && name.chars().all(is_word)
+}
