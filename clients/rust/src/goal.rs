@@ -199,6 +199,22 @@ pub struct Feedback {
     pub discontinuity: Option<String>,
 }
 
+impl Feedback {
+    /// Takes over what an update of the server contains.
+    fn update(&mut self, update: &Value) {
+        if let Some(state) = update["state"].as_str() {
+            state.clone_into(&mut self.state);
+        }
+        for (key, value) in update["values"].as_object().into_iter().flatten() {
+            let text = value.as_str().unwrap_or_default().to_owned();
+            self.values.insert(key.clone(), text);
+        }
+        if let Some(jump) = update["jump"].as_str() {
+            self.discontinuity = Some(jump.to_owned());
+        }
+    }
+}
+
 /// Way in which a command has ended. A command that was unloaded before it ran has no ending: see [`Goal::result`].
 #[derive(Clone, PartialEq, Eq, Debug)]
 pub struct Ending {
@@ -275,6 +291,33 @@ impl Goal {
         self.request("command.set", &json!({"values": {key: value}}))
     }
 
+    /// Sets several inputs of the command between the same two cycles, each by its key and a literal in the notation of nets.
+    ///
+    /// # Errors
+    /// Returns an error if an input is unknown or a text is not a value of its type.
+    pub fn set_inputs<'v>(
+        &self,
+        values: impl IntoIterator<Item = (&'v str, &'v str)>,
+    ) -> Result<(), Error> {
+        let values = values
+            .into_iter()
+            .map(|(key, value)| (key.to_owned(), Value::from(value)));
+        let values = Value::Object(values.collect());
+        self.request("command.set", &json!({"values": values}))
+    }
+
+    /// Returns the present state and exported values of the command, without waiting for an update.
+    ///
+    /// # Errors
+    /// Returns an error if the command is unloaded or the connection is closed.
+    pub fn present(&self) -> Result<Feedback, Error> {
+        let params = json!({"command": self.name});
+        let description = self.client.call("command.describe", params)?;
+        let mut present = Feedback::default();
+        present.update(&description);
+        Ok(present)
+    }
+
     /// Cancels the command: the program decides how the command ends, and the devices stay on their paths.
     ///
     /// # Errors
@@ -314,17 +357,7 @@ impl Goal {
     pub fn feedback(&self) -> impl Iterator<Item = Feedback> + '_ {
         let mut known = Feedback::default();
         std::iter::from_fn(move || {
-            let update = self.next_update()?;
-            if let Some(state) = update["state"].as_str() {
-                state.clone_into(&mut known.state);
-            }
-            for (key, value) in update["values"].as_object().into_iter().flatten() {
-                let text = value.as_str().unwrap_or_default().to_owned();
-                known.values.insert(key.clone(), text);
-            }
-            if let Some(jump) = update["jump"].as_str() {
-                known.discontinuity = Some(jump.to_owned());
-            }
+            known.update(&self.next_update()?);
             Some(known.clone())
         })
     }

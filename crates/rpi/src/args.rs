@@ -15,6 +15,7 @@ use crate::guard::GuardArgs;
 use crate::recording_args::RecordingArgs;
 use crate::robot_args::{CellCommand, RobotCommand};
 use crate::socket_arg::parse_socket;
+use crate::teach::TeachArgs;
 
 /// Control core of robots: runs commands that take over from one another without a gap.
 #[derive(Debug, Parser)]
@@ -70,6 +71,12 @@ pub(crate) enum CliCommand {
     /// Compile a text for `rpi serve`, which starts this process: request on standard input, answer on standard output.
     #[command(hide = true)]
     CompileWorker,
+    /// Move an arm by keys, and write its points to a file, for programs with `use points;`.
+    ///
+    /// Without --connect, the arm of the cell is simulated. Each point is written at once: the pose of the tool and the joint
+    /// positions. If the standard input is not a terminal, the keys are read from it, and each motion ends before the next
+    /// key counts.
+    Teach(TeachArgs),
     /// Print the completion script of a shell.
     #[command(hide = true)]
     Completions {

@@ -25,6 +25,7 @@ mod run;
 mod serve;
 mod socket_arg;
 mod target;
+mod teach;
 mod trace;
 
 use std::path::Path;
@@ -53,6 +54,7 @@ fn main() -> ExitCode {
         CliCommand::Latency(args) => latency::latency(&args),
         CliCommand::Robot(command) => robot::robot(&command),
         CliCommand::Cell(CellCommand::Check { cell }) => cell_file::check(&cell),
+        CliCommand::Teach(args) => teach::teach(&args),
         CliCommand::CompileWorker => serve::compile_worker(),
         CliCommand::Cell(CellCommand::Schema) => cell_file::schema(),
         CliCommand::Completions { shell } => completions(shell),

@@ -123,15 +123,20 @@ impl Cell {
         self.devices.iter().find(|device| device.name == name)
     }
 
+    /// Returns the names of the arms (also linear units and positioners) with their numbers of axes, in text order.
+    pub fn arms(&self) -> impl Iterator<Item = (&str, usize)> {
+        self.devices.iter().filter_map(|device| match &device.kind {
+            DeviceKind::Arm(arm) => Some((device.name.as_str(), arm.model.axes())),
+            _ => None,
+        })
+    }
+
     /// Returns the number of axes that all arms of the cell have; `None` if the cell has no arm or different ones. An arm can
     /// place its tool freely, so devices with one or two axes do not count.
     #[must_use]
     pub fn arm_axes(&self) -> Option<u32> {
-        let axes = self.devices.iter().filter_map(|device| match &device.kind {
-            DeviceKind::Arm(arm) => Some(arm.model.axes()).filter(|axes| *axes >= 3),
-            _ => None,
-        });
-        let mut different = axes.collect::<BTreeSet<usize>>().into_iter();
+        let free = self.arms().map(|(_, axes)| axes).filter(|axes| *axes >= 3);
+        let mut different = free.collect::<BTreeSet<usize>>().into_iter();
         let only = different.next().filter(|_| different.next().is_none());
         only.and_then(|axes| u32::try_from(axes).ok())
     }

@@ -6,7 +6,7 @@ use super::quantity::Dimension::Angle;
 use super::reader::TableReader;
 use super::{read_document, schema};
 use core::ops::Range;
-use nalgebra::Isometry3;
+use nalgebra::{Isometry3, UnitQuaternion, Vector3};
 
 /// Points and work frames of a file `points.toml`, each list in text order.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -45,6 +45,24 @@ impl TaughtPose {
             position: pose.translation.vector.into(),
             rotation: pose.rotation.scaled_axis().into(),
         }
+    }
+
+    fn isometry(&self) -> Isometry3<f64> {
+        let rotation = UnitQuaternion::from_scaled_axis(Vector3::from(self.rotation));
+        Isometry3::from_parts(Vector3::from(self.position).into(), rotation)
+    }
+
+    /// Returns this pose, given in the frame in which `frame` is given, in coordinates of `frame`.
+    #[must_use]
+    pub fn relative_to(&self, frame: &Self) -> Self {
+        Self::new(&(frame.isometry().inverse() * self.isometry()))
+    }
+
+    /// Returns the orientation as a unit quaternion: x, y, z, w.
+    #[must_use]
+    pub fn quaternion(&self) -> [f64; 4] {
+        let rotation = self.isometry().rotation;
+        [rotation.i, rotation.j, rotation.k, rotation.w]
     }
 }
 
