@@ -56,6 +56,7 @@ const EDGES: &[(&str, &[&str])] = &[
             "rpi-net",
             "rpi-prims",
             "rpi-sema",
+            "rpi-sim",
             "rpi-syntax",
         ],
     ),
@@ -155,6 +156,7 @@ const EDGES: &[(&str, &[&str])] = &[
         "rpi",
         &[
             "rpi-cli",
+            "rpi-client",
             "rpi-core",
             "rpi-diag",
             "rpi-driver",

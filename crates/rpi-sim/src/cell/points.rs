@@ -3,8 +3,8 @@
 use super::error::CellErrors;
 use super::pose::read_pose;
 use super::quantity::Dimension::Angle;
+use super::read_document;
 use super::reader::TableReader;
-use super::{read_document, schema};
 use core::ops::Range;
 use nalgebra::{Isometry3, UnitQuaternion, Vector3};
 
@@ -88,14 +88,6 @@ impl PointsFile {
     /// Returns all errors of the text, with their positions.
     pub fn parse(file: &str, text: &str) -> Result<Self, CellErrors> {
         read_document(file, text, read)
-    }
-
-    /// Returns the JSON schema of files with points, for editors.
-    #[must_use]
-    pub fn schema() -> String {
-        schema::schema("points", "Taught points (points.toml)", |reader| {
-            drop(read(reader))
-        })
     }
 }
 
