@@ -6,7 +6,7 @@ use std::path::Path;
 
 use rpi_diag::{Code, Diagnostic, FileId};
 use rpi_sema::query::{DefKind, Index};
-use rpi_sim::{PointsFile, TaughtPoint, TaughtPose, WorkFrame};
+use rpi_sim::{PointsFile, TaughtPoint, TaughtPose, Tool, WorkFrame};
 
 use crate::input::InputError;
 
@@ -16,6 +16,8 @@ pub(crate) const MODULE: &str = "points";
 pub(crate) const FILE: &str = "points.toml";
 /// Ending of the name of the constant with the joint positions of a point.
 const JOINTS: &str = "_joints";
+/// Endings of the names of the constants of one entry, besides that with its own name.
+const ENDINGS: [&str; 4] = [JOINTS, "_mass", "_centre", "_inertia"];
 
 /// Returns the text of the module with the points of a file. Frames that the file does not declare are those of the module
 /// `program`. Each declaration is on the line of the name in the file, so that
@@ -42,6 +44,9 @@ pub(crate) fn module_text(path: &Path, text: &str, program: &str) -> Result<Stri
     };
     for frame in &file.frames {
         put(frame.span.start, frame_text(frame));
+    }
+    for tool in &file.tools {
+        put(tool.span.start, tool_text(tool));
     }
     for point in &file.points {
         put(point.span.start, point_text(point));
@@ -70,6 +75,30 @@ fn frame_text(frame: &WorkFrame) -> String {
     )
 }
 
+fn tool_text(tool: &Tool) -> String {
+    let name = &tool.name;
+    let mut text = format!("const {name}: Pose = {}; ", pose_text(&tool.pose));
+    if let Some(mass) = tool.mass {
+        let _ = write!(
+            text,
+            "const {name}_mass: real[kg] = {}; ",
+            quantity(mass, "kg")
+        );
+    }
+    if let Some(centre) = tool.centre {
+        let _ = write!(
+            text,
+            "const {name}_centre: Vector<<real[m]>> = vector({}); ",
+            list(&centre, "m")
+        );
+    }
+    if let Some(inertia) = tool.inertia {
+        let inertia = list(&inertia, "kg*m^2");
+        let _ = write!(text, "const {name}_inertia: real[kg*m^2]^6 = [{inertia}]; ");
+    }
+    text
+}
+
 fn point_text(point: &TaughtPoint) -> String {
     let mut text = String::new();
     let frame = point.frame.as_deref();
@@ -79,8 +108,7 @@ fn point_text(point: &TaughtPoint) -> String {
     }
     if let Some(joints) = &point.joints {
         let count = joints.len();
-        let all: Vec<String> = joints.iter().map(|joint| quantity(*joint, "rad")).collect();
-        let all = all.join(", ");
+        let all = list(joints, "rad");
         let _ = write!(
             text,
             "const {}{JOINTS}: real[rad]^{count} = [{all}]; ",
@@ -93,26 +121,33 @@ fn point_text(point: &TaughtPoint) -> String {
 /// Returns an expression for a pose (m). The orientation is its rotation vector (axis times angle), which is well-conditioned
 /// for all orientations.
 fn pose_text(pose: &TaughtPose) -> String {
-    let list = |values: [f64; 3], unit| values.map(|value| quantity(value, unit)).join(", ");
     format!(
         "Pose{{position = vector({}); rotation = rotation_by(vector({}))}}",
-        list(pose.position, "m"),
-        list(pose.rotation, "rad")
+        list(&pose.position, "m"),
+        list(&pose.rotation, "rad")
     )
+}
+
+fn list(values: &[f64], unit: &str) -> String {
+    let all: Vec<String> = values.iter().map(|value| quantity(*value, unit)).collect();
+    all.join(", ")
 }
 
 fn quantity(value: f64, unit: &str) -> String {
     format!("{value:?}[{unit}]")
 }
 
-/// Returns warnings about the points and frames of the file `points` that no other file of the program names. A point with a
-/// pose and joint positions is used if one of them is.
+/// Returns warnings about the entries of the file `points` that no other file of the program names. An entry with several
+/// constants, such as a pose and joint positions, is used if one of them is.
 pub(crate) fn unused_warnings(index: &Index, points: FileId) -> Vec<Diagnostic> {
     let defs = index.defs_in(points);
     let named = defs.filter(|(_, def)| matches!(def.kind, DefKind::Const | DefKind::Frame));
     let is_used = |id| index.references(id).any(|place| place.file != points);
     let named: Vec<_> = named.map(|(id, def)| (def, is_used(id))).collect();
-    let point_of = |name: &str| name.strip_suffix(JOINTS).unwrap_or(name).to_owned();
+    let point_of = |name: &str| {
+        let ending = ENDINGS.iter().find_map(|ending| name.strip_suffix(ending));
+        ending.unwrap_or(name).to_owned()
+    };
     let used: BTreeSet<String> = named
         .iter()
         .filter(|(_, is_used)| *is_used)
@@ -124,9 +159,8 @@ pub(crate) fn unused_warnings(index: &Index, points: FileId) -> Vec<Diagnostic> 
         let name = point_of(&def.name);
         if !used.contains(&name) && reported.insert(name.clone()) {
             let message = format!("`{name}` of {FILE} is never used");
-            let help = format!("delete [points.{name}], or name it in the program");
             let warning = Diagnostic::new(Code::RPI1016, message).primary(def.span, "never used");
-            warnings.push(warning.help(help));
+            warnings.push(warning.help("delete it, or name it in the program"));
         }
     }
     warnings

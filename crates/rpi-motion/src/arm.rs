@@ -32,6 +32,18 @@ impl Arm {
         }
     }
 
+    /// Returns the pose of the tool in the flange frame.
+    #[must_use]
+    pub fn tool(&self) -> Pose {
+        self.tool
+    }
+
+    /// Sets the pose of the tool in the flange frame.
+    pub fn set_tool(&mut self, tool: Pose) {
+        self.tool = tool;
+        self.tool_inverse = tool.inverse();
+    }
+
     /// Returns the same arm with ranges that are smaller by `margin` (rad) at both ends.
     pub(crate) fn with_margin(&self, margin: f64) -> Self {
         let mut arm = *self;

@@ -7,7 +7,7 @@ use crate::set_point::{MotionError, SetPoint};
 use crate::time_law::{HeldBrake, PathState};
 use crate::tool_residual::ToolResidual;
 use crate::{Arm, JointState, Joints};
-use rpi_kin::MAX_AXES;
+use rpi_kin::{MAX_AXES, Pose};
 
 /// Path, time law and residuals (decaying differences between arm and path) of a motion. They determine its set-points
 /// until a new time law is planned.
@@ -21,6 +21,8 @@ pub(crate) struct Course {
     pub held: HeldBrake,
     /// Joint positions (rad) that the inverse kinematics gave for the last set-point: the hint for the next one.
     pub hint: Joints,
+    /// Pose in the flange frame of the tool that moves along the path.
+    pub moved_tool: Pose,
 }
 
 impl Course {
@@ -32,6 +34,7 @@ impl Course {
             tool: None,
             held: HeldBrake::standing(0.0, 0.0),
             hint: [0.0; MAX_AXES],
+            moved_tool: Pose::identity(),
         }
     }
 
@@ -39,8 +42,10 @@ impl Course {
         self.table.path()
     }
 
-    /// Puts the motion at rest at the start of its path, without residuals. `hint` are the joint positions there, rad.
-    pub(crate) fn stand(&mut self, hint: Joints) {
+    /// Puts the motion of `arm` at rest at the start of its path, without residuals. `hint` are the joint positions there,
+    /// rad.
+    pub(crate) fn stand(&mut self, arm: &Arm, hint: Joints) {
+        self.moved_tool = arm.tool();
         self.held = HeldBrake::standing(0.0, 0.0);
         self.residual = Residual::default();
         self.tool = None;

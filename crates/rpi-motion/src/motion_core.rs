@@ -17,8 +17,8 @@ use crate::tool_trace::ToolTrace;
 use crate::verify::Verifier;
 use crate::work_budget::WorkBudget;
 use crate::{Arm, JointState, Joints};
-use rpi_kin::MAX_AXES;
 use rpi_kin::state_to_rest::Bounds;
+use rpi_kin::{MAX_AXES, Pose};
 
 /// Motion core of one arm: it computes the set-points of a motion along a path, cycle by cycle.
 #[derive(Clone, Debug)]
@@ -136,7 +136,7 @@ impl MotionCore {
             let kind = PathErrorKind::OutOfRange { axis };
             return Err(PathError { s: 0.0, kind }.into());
         }
-        spare.stand(hint);
+        spare.stand(&self.arm, hint);
         let approach = self.approach_from(state);
         let continues = self.continues(state);
         if self.approach.is_none() {
@@ -221,17 +221,26 @@ impl MotionCore {
         }
         self.approach = None;
         self.course.table.begin_hold(&self.arm, at);
-        self.course.stand(*at);
+        let continues = self.continues(state);
+        self.course.stand(&self.arm, *at);
         self.ranges = allowed_ranges(&self.arm, &state.position);
         self.cycle = 0;
         self.planner = Planner::default();
-        let continues = self.continues(state);
         self.trace.begin(&self.arm, state, self.period, continues);
         let node = self.course.table.first_node();
         let residual = entry::standing(&self.arm, node, state, 0.0);
         self.course.residual = residual.ok_or(MotionError::NotFinite)?;
         self.attempt = ATTEMPTS.len();
         Ok(())
+    }
+
+    /// Sets the pose of the tool in the flange frame, which moves along the path of the next motion, and returns the present
+    /// one. Call it right before [`MotionCore::begin`]; if that fails, set the present tool again, so that the present motion
+    /// can continue.
+    pub fn set_tool(&mut self, tool: Pose) -> Pose {
+        let present = self.arm.tool();
+        self.arm.set_tool(tool);
+        present
     }
 
     /// Sets the period of the set-points (s) for the next motion. Call it before [`MotionCore::begin`].

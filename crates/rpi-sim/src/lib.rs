@@ -21,7 +21,7 @@ pub mod udp;
 
 pub use bank::{DeviceStatus, MAX_DEVICES, NamedDevice, OpenError, SimBank};
 pub use cell::{
-    Cell, CellError, CellErrors, PointsFile, TaughtPoint, TaughtPose, WorkFrame, robot,
+    Cell, CellError, CellErrors, PointsFile, TaughtPoint, TaughtPose, Tool, WorkFrame, robot,
 };
 pub use device::PortInfo;
 pub use fault::{FaultKind, ScheduledFault};

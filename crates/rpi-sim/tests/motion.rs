@@ -65,6 +65,8 @@ impl Rig {
         let mut arguments = vec![number];
         arguments.extend(target.iter().chain(&bounds).map(|value| value.to_bits()));
         arguments.extend([1f64.to_bits(), 0]);
+        // The arm's own tool.
+        arguments.extend([0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 1.0].map(f64::to_bits));
         let mut result = [0; SLOTS];
         assert!(self.bank.call(port, &arguments, &mut result));
         Motion {

@@ -128,6 +128,8 @@ impl Rig {
         arguments.extend(target);
         arguments.extend(bounds.map(f64::to_bits));
         arguments.extend([1f64.to_bits(), 0]);
+        // The arm's own tool.
+        arguments.extend([0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 1.0].map(f64::to_bits));
         let mut result = [0; SLOTS];
         assert!(
             self.bank

@@ -145,7 +145,7 @@ const CHANGES: &[(&str, &str, i32, &str)] = &[
         "[points.park]",
         "[points.table]",
         2,
-        "`table` is a frame and a point",
+        "`table` is the name of two entries",
     ),
     (
         "in = \"shelf\"",
@@ -159,7 +159,12 @@ const CHANGES: &[(&str, &str, i32, &str)] = &[
         2,
         "insert the pose of `shelf` in `table`",
     ),
-    ("\"-60 deg\", 0]", "\"-60 deg\"]", 2, "expected 7 elements, found 6"),
+    (
+        "\"-60 deg\", 0]",
+        "\"-60 deg\"]",
+        2,
+        "expected 7 elements, found 6",
+    ),
     (
         "in = \"table\"\nposition = [\"50 mm\", \"20 mm\", 0.0]\nrpy = [0, \"180 deg\", 0]",
         "in = \"table\"",
@@ -281,4 +286,128 @@ fn the_arm_moves_on_after_it_has_stopped_at_the_end_of_its_reach() {
     };
     let [out, back] = ["took p1", "took p2"].map(place);
     assert!(out > 700.0 && back < out - 50.0, "{out} {back}");
+}
+
+/// A line that turns a tool: its tip moves on the line, and the arm takes over to its own tool in motion.
+const WELDING: &str = "use motion, points;
+
+command Weld (arm: Arm; tip: Pose)
+let
+  start = arm.pose * tip -> pre start;
+  turned = start * pose(0[m], 0[m], 0[m], 40[deg], 20[deg], 0[deg]);
+  way = Line<<speed: 100[mm/s]>>(
+    arm,
+    Pose{position = start.position + vector(0[m], 150[mm], 0[m]); rotation = turned.rotation},
+    tool: tip
+  );
+  arm.joints = way.joints;
+  at = (arm.pose * tip).position;
+  planned = way.pose.position;
+  export at, planned;
+
+  fragment AtHalf when takeover
+  let yes = crosses(way.travelled, 75[mm]); tel
+
+  finish there when way.done;
+  yield  half when AtHalf.yes ?? false;
+  fail   stopped when way.stopped;
+  fail   arm_error when arm.error;
+tel
+
+command Back (arm: Arm)
+let
+  way = Line<<speed: 100[mm/s]>>(arm, pose(450[mm], 0[m], 400[mm], 0[deg], 180[deg], 0[deg]));
+  arm.joints = way.joints;
+  finish there when way.done;
+  fail   stopped when way.stopped;
+  fail   arm_error when arm.error;
+tel
+
+task Main (arm: Arm)
+let
+  Weld(arm, torch);
+  Back(arm);
+tel
+";
+
+const TORCH: &str = "[tools.torch]
+position = [\"50 mm\", 0, \"200 mm\"]
+rpy = [0, \"30 deg\", 0]
+mass = \"900 g\"
+centre = [0, 0, \"60 mm\"]
+";
+
+/// Returns the vectors that the rows of a recording have for a flow.
+fn vectors(rows: &str, flow: &str) -> Vec<[f64; 3]> {
+    let rows = rows.lines().filter(|row| row.contains(flow));
+    let vector = |row: &str| {
+        let inner = row.split(['{', '}']).nth(1).expect("a vector");
+        let numbers = inner
+            .split(',')
+            .map(|part| part.rsplit(':').next().and_then(|n| n.parse().ok()));
+        numbers
+            .collect::<Option<Vec<f64>>>()
+            .and_then(|numbers| numbers.try_into().ok())
+    };
+    rows.map(|row| vector(row).expect("three numbers"))
+        .collect()
+}
+
+#[test]
+fn the_tip_of_a_chosen_tool_moves_on_the_line() {
+    let folder = folder(&[("program.rpi", WELDING), ("points.toml", TORCH)]);
+    let done = run(
+        "rpi",
+        &["run", "program.rpi", "--record", "out.csv"],
+        folder.path(),
+        "",
+    );
+    let text = shown(&done);
+    assert_eq!(done.status.code(), Some(0), "{text}");
+    assert!(
+        text.contains("taken over at half") && text.contains("finished with there"),
+        "{text}"
+    );
+    let rows = std::fs::read_to_string(folder.path().join("out.csv")).expect("recorded");
+    let at = vectors(&rows, "Weld.at,");
+    let planned = vectors(&rows, "Weld.planned,");
+    assert!(at.len() > 500 && at.len() == planned.len());
+    for tip in at.iter().chain(&planned) {
+        let off = (tip[0] - at[0][0]).hypot(tip[2] - at[0][2]);
+        assert!(off < 1e-9, "the tip is {off} m off the line");
+    }
+}
+
+#[test]
+fn frames_of_tool_and_goal_must_agree() {
+    let program = "use motion;
+frame torch;
+command Weld (arm: Arm; to: Pose(torch in arm.base); tip: Pose(torch in arm.tool))
+let
+  way = Line(arm, to, tool: tip);
+  arm.joints = way.joints;
+  finish there when way.done;
+  fail   stopped when way.stopped;
+  fail   arm_error when arm.error;
+tel
+";
+    for (program, part) in [
+        (program.to_owned(), None),
+        (
+            program.replace(", tool: tip", ""),
+            Some("expected `Pose(arm.tool in arm.base)`, found `Pose(torch in arm.base)`"),
+        ),
+        (
+            program.replace("to: Pose(torch", "to: Pose(arm.tool"),
+            Some("expected `Pose(arm.tool in arm.tool)`, found `Pose(torch in arm.tool)`"),
+        ),
+    ] {
+        let folder = folder(&[("program.rpi", &program)]);
+        let done = run("rpic", &["check", "program.rpi"], folder.path(), "");
+        let text = shown(&done).replace("\n  │ ", " ");
+        match part {
+            Some(part) => assert!(text.contains(part), "{text}"),
+            None => assert!(!text.contains("error"), "{text}"),
+        }
+    }
 }

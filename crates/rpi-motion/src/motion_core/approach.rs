@@ -31,9 +31,13 @@ pub(super) struct Approach {
 impl MotionCore {
     /// Returns true if `state` has the joint positions of the last set-point.
     pub(super) fn continues(&self, state: &JointState) -> bool {
+        let followed = match self.approach {
+            Some(_) => &self.previous,
+            None => &self.course,
+        };
         let last = self.trace.joints(0);
         let differs = |axis: usize| (last[axis] - state.position[axis]).abs() > SAME_JOINTS;
-        !(0..self.arm.axes()).any(differs)
+        followed.moved_tool == self.arm.tool() && !(0..self.arm.axes()).any(differs)
     }
 
     /// Returns the preparation of a takeover from the motion that the arm follows; `None` if the arm is not in this

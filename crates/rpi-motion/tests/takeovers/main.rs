@@ -15,6 +15,7 @@ mod states;
 mod tilted;
 mod watch;
 
+use nalgebra::Vector3;
 use random::{KINDS, Kind, Random};
 use rpi_kin::state_to_rest::Bounds;
 use rpi_kin::{ArmModel, Pose, models};
@@ -37,6 +38,21 @@ const QUICK_CHAIN: usize = 60;
 
 /// Rule for the number of cycles between two takeovers of a chain.
 type Cycles = fn(&mut Random) -> usize;
+
+/// Rule for the tool of the next motion, as a pose in the flange frame.
+type Tools = fn(&mut Random) -> Pose;
+
+fn no_tool(_: &mut Random) -> Pose {
+    Pose::identity()
+}
+
+/// One of a few tools, so that some motions have the tool of the motion before.
+fn some_tool(random: &mut Random) -> Pose {
+    let tip = |x: f64, z: f64, turn: f64| {
+        Pose::new(Vector3::new(x, 0.0, z), Vector3::new(0.0, turn, 0.0))
+    };
+    [Pose::identity(), tip(0.0, 0.15, 0.0), tip(0.08, 0.12, 0.6)][random.below(3)]
+}
 
 fn any(random: &mut Random) -> usize {
     match random.unit() < 0.4 {
@@ -117,15 +133,16 @@ fn motion(
 fn chain(
     model: &'static ArmModel,
     seed: u64,
-    (length, wait): (usize, Cycles),
+    (length, wait, tools): (usize, Cycles, Tools),
     counts: &mut Counts,
 ) {
-    let arm = Arm::new(model, Pose::identity(), &[]);
+    let mut arm = Arm::new(model, Pose::identity(), &[]);
     let mut random = Random::new(seed);
     let mut watch = Watch::standing(&random::joints(model, &mut random));
     let mut core = MotionCore::new(arm, PERIOD);
     let mut state = watch.state();
     for number in 0..length {
+        arm.set_tool(tools(&mut random));
         let Some(Motion {
             path,
             start,
@@ -134,7 +151,11 @@ fn chain(
         else {
             return;
         };
-        no_alloc(|| core.begin_at(path, &start, &state, requested)).expect("the check accepted it");
+        no_alloc(|| {
+            core.set_tool(arm.tool());
+            core.begin_at(path, &start, &state, requested)
+        })
+        .expect("the check accepted it");
         counts.takeovers += 1;
         let cycles = match number + 1 == length {
             true => 60_000,
@@ -211,12 +232,13 @@ fn run(
     false
 }
 
-fn run_chains(chains: u64, length: usize, wait: Cycles) {
+fn run_chains(chains: u64, length: usize, wait: Cycles, tools: Tools) {
     let first = number("RPI_SEED", 1);
     let arm = std::env::var("RPI_ARM").unwrap_or_default();
     for model in ARMS.into_iter().filter(|model| model.id.contains(&arm)) {
         let mut counts = Counts::default();
-        (first..first + chains).for_each(|seed| chain(model, seed, (length, wait), &mut counts));
+        let kind = (length, wait, tools);
+        (first..first + chains).for_each(|seed| chain(model, seed, kind, &mut counts));
         println!("{}: {counts:?}", model.id);
         assert_eq!(
             (counts.over_limits, counts.not_arrived),
@@ -234,7 +256,45 @@ fn run_chains(chains: u64, length: usize, wait: Cycles) {
 
 #[test]
 fn takeovers_at_random_moments_keep_every_limit() {
-    run_chains(number("RPI_TAKEOVERS", 50), CHAIN, any);
+    run_chains(number("RPI_TAKEOVERS", 50), CHAIN, any, no_tool);
+}
+
+/// Another tool moves along the path of the next motion, from any state of the arm.
+#[test]
+fn takeovers_between_tools_keep_every_limit() {
+    run_chains(number("RPI_TAKEOVERS", 50) / 2, CHAIN, any, some_tool);
+}
+
+/// A motion of a tool is that of an arm with this tool of its own, to the last bit.
+#[test]
+fn a_tool_of_the_motion_is_as_a_tool_of_the_arm() {
+    for model in ARMS {
+        let mut random = Random::new(5);
+        let tool = Pose::new(Vector3::new(0.05, 0.0, 0.1), Vector3::new(0.3, 0.2, 0.0));
+        let arm = Arm::new(model, tool, &[]);
+        let state = Watch::standing(&random::joints(model, &mut random)).state();
+        let mut counts = Counts::default();
+        let Some(motion) = motion(model, &arm, &state, &mut random, &mut counts) else {
+            continue;
+        };
+        let mut own = MotionCore::new(arm, PERIOD);
+        let mut set = MotionCore::new(Arm::new(model, Pose::identity(), &[]), PERIOD);
+        set.set_tool(tool);
+        for core in [&mut own, &mut set] {
+            let begun = core.begin_at(motion.path, &motion.start, &state, motion.requested);
+            begun.expect("the check accepted it");
+        }
+        for _ in 0..500 {
+            let [one, other] =
+                [&mut own, &mut set].map(|core| core.next_set_point(Controls::default()));
+            assert_eq!(
+                one.expect("checked").joints,
+                other.expect("checked").joints,
+                "{}",
+                model.id
+            );
+        }
+    }
 }
 
 /// At a point of a spline the third derivatives of the axes jump. Between two nodes beside such a point, the jerk of an axis
@@ -245,7 +305,7 @@ fn the_jerk_of_the_axes_is_kept_at_the_points_of_a_spline() {
     chain(
         &models::kuka_lbr::IIWA_7,
         1_000_336,
-        (CHAIN, any),
+        (CHAIN, any, no_tool),
         &mut counts,
     );
     assert_eq!(
@@ -257,5 +317,5 @@ fn the_jerk_of_the_axes_is_kept_at_the_points_of_a_spline() {
 
 #[test]
 fn takeovers_in_quick_succession_keep_every_limit() {
-    run_chains(number("RPI_TAKEOVERS", 50) / 25, QUICK_CHAIN, few);
+    run_chains(number("RPI_TAKEOVERS", 50) / 25, QUICK_CHAIN, few, no_tool);
 }

@@ -60,6 +60,8 @@ pub(super) struct Motion {
     /// Present motion of the tool with a velocity; `None` if the present motion is of another kind.
     jog: Option<Jog>,
     arm: rpi_motion::Arm,
+    /// Pose of the arm's own tool in the flange frame.
+    own_tool: Pose,
     /// Number by which a command refers to the present motion, from 1; 0 before the first motion.
     number: i64,
     /// Simulated time at which the last set-point was computed, s.
@@ -107,6 +109,7 @@ impl Motion {
             axes: AxesMotion::new(arm, tick),
             jog: None,
             arm,
+            own_tool: tool,
             number: 0,
             computed: f64::NEG_INFINITY,
             tool_limits,
@@ -231,20 +234,67 @@ impl Motion {
                 rested: 0,
             });
         }
+        let Some(present) = self.change_tool(&request.tool) else {
+            return self.refuse(ErrorCode::NOT_A_NUMBER.into(), jog, followed, state);
+        };
         let started = match kind {
             MotionKind::Path(kind) => self.start_path(kind, request, state),
             MotionKind::Axes(kind) => self.start_axes(kind, request, state),
             MotionKind::Jog(frame) => self.start_jog(frame, request, state, time),
         };
-        if let Err(fault) = started {
-            self.rejected = Some(fault.violation.code);
-            // The arm goes on along the path that it is on, and comes to rest there.
-            match followed {
-                true => self.jog = jog,
-                false => self.hold(state),
+        match started {
+            Ok(()) => Ok(()),
+            Err(fault) => {
+                self.set_tool(present);
+                self.refuse(fault, jog, followed, state)
             }
         }
-        started
+    }
+
+    /// Makes the arm come to rest, because a motion is not possible: along the path that it is on if it follows one, with the
+    /// jog `jog` if it was one. Returns the reason, `fault`.
+    fn refuse(
+        &mut self,
+        fault: PathFault,
+        jog: Option<Jog>,
+        followed: bool,
+        state: &JointState,
+    ) -> Result<(), PathFault> {
+        self.rejected = Some(fault.violation.code);
+        match followed {
+            true => self.jog = jog,
+            false => self.hold(state),
+        }
+        Err(fault)
+    }
+
+    /// Makes the frame `tool`, given in the frame of the arm's own tool, the one that moves along the path of the next motion.
+    /// Returns the present one, in the flange frame; `None` if a number is not finite, and nothing changes.
+    fn change_tool(&mut self, tool: &Pose) -> Option<Pose> {
+        let present = self.arm.tool();
+        let is_finite = |pose: &Pose| {
+            let mut numbers = pose
+                .translation
+                .vector
+                .iter()
+                .chain(pose.rotation.coords.iter());
+            numbers.all(|number| number.is_finite())
+        };
+        let next = self.own_tool * tool;
+        is_finite(&next).then(|| {
+            // Without a tool of its own, the motion has the arm's exactly.
+            self.set_tool(if *tool == Pose::identity() {
+                self.own_tool
+            } else {
+                next
+            });
+            present
+        })
+    }
+
+    fn set_tool(&mut self, tool: Pose) {
+        self.arm.set_tool(tool);
+        self.core.set_tool(tool);
     }
 
     fn start_axes(

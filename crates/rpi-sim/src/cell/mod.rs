@@ -28,7 +28,7 @@ pub use arm::{ArmSpec, EnforcedLimits, Surface};
 pub use error::{CellError, CellErrors};
 pub use io::{InputChange, IoSpec, TerminalSpec};
 pub use kind::{DeviceKind, KindInfo};
-pub use points::{PointsFile, TaughtPoint, TaughtPose, WorkFrame};
+pub use points::{PointsFile, TaughtPoint, TaughtPose, Tool, WorkFrame};
 pub use simple_devices::BaseSpec;
 
 use collector::ErrorCollector;

@@ -1,18 +1,20 @@
-//! Taught points and work frames (`points.toml`): places that programs name.
+//! Taught points, work frames and tools (`points.toml`): places that programs name.
 
 use super::error::CellErrors;
 use super::pose::read_pose;
-use super::quantity::Dimension::Angle;
+use super::quantity::Dimension::{Angle, Inertia, Length, Mass};
 use super::read_document;
 use super::reader::TableReader;
 use core::ops::Range;
 use nalgebra::{Isometry3, UnitQuaternion, Vector3};
 
-/// Points and work frames of a file `points.toml`, each list in text order.
+/// Points, work frames and tools of a file `points.toml`, each list in text order.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct PointsFile {
     /// Work frames, such as that of a table.
     pub frames: Vec<WorkFrame>,
+    /// Tools that an arm may hold.
+    pub tools: Vec<Tool>,
     /// Points that were taught.
     pub points: Vec<TaughtPoint>,
 }
@@ -28,6 +30,23 @@ pub struct WorkFrame {
     pub parent: Option<String>,
     /// Pose of the frame in its parent.
     pub pose: TaughtPose,
+}
+
+/// Tool that an arm may hold, with its load.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Tool {
+    /// Name of the tool.
+    pub name: String,
+    /// Bytes of the name in the text.
+    pub span: Range<usize>,
+    /// Pose of the tip in the frame of the arm's own tool: the flange, unless the cell describes another one.
+    pub pose: TaughtPose,
+    /// Mass, kg; `None` if the file does not give it.
+    pub mass: Option<f64>,
+    /// Centre of mass in the frame of the arm's own tool, m; `None` if the file does not give it.
+    pub centre: Option<[f64; 3]>,
+    /// Moments of inertia xx, yy, zz, xy, xz, yz about the centre of mass, kg m²; `None` if the file does not give them.
+    pub inertia: Option<[f64; 6]>,
 }
 
 /// Pose of a work frame or of the tool at a point.
@@ -94,11 +113,17 @@ impl PointsFile {
 fn read(mut reader: TableReader<'_>) -> PointsFile {
     let frames = read_entries(&mut reader, "frames", read_frame);
     let points = read_entries(&mut reader, "points", read_point);
+    let tools = read_entries(&mut reader, "tools", read_tool);
     let names = frames.iter().map(|frame| (&frame.name, &frame.span));
+    let names = names.chain(tools.iter().map(|tool| (&tool.name, &tool.span)));
     let names = names.chain(points.iter().map(|point| (&point.name, &point.span)));
     check_names(&reader, names.collect());
     reader.finish();
-    PointsFile { frames, points }
+    PointsFile {
+        frames,
+        tools,
+        points,
+    }
 }
 
 /// Reads the tables of the table at `key`, whose keys are names, by `read`.
@@ -134,6 +159,22 @@ fn read_frame(name: &str, span: Range<usize>, mut reader: TableReader<'_>) -> Wo
     }
 }
 
+fn read_tool(name: &str, span: Range<usize>, mut reader: TableReader<'_>) -> Tool {
+    let pose = TaughtPose::new(&read_pose(&mut reader));
+    let mass = reader.magnitude("mass", Mass);
+    let centre = reader.reals("centre", Length, 3);
+    let inertia = reader.reals("inertia", Inertia, 6);
+    reader.finish();
+    Tool {
+        name: name.to_owned(),
+        span,
+        pose,
+        mass,
+        centre: centre.and_then(|centre| centre.try_into().ok()),
+        inertia: inertia.and_then(|inertia| inertia.try_into().ok()),
+    }
+}
+
 fn read_point(name: &str, span: Range<usize>, mut reader: TableReader<'_>) -> TaughtPoint {
     let frame = reader.text("in").map(str::to_owned);
     let has_pose = ["position", "rpy", "quaternion"]
@@ -156,7 +197,7 @@ fn read_point(name: &str, span: Range<usize>, mut reader: TableReader<'_>) -> Ta
     }
 }
 
-/// Reports names that programs cannot write, and names of a frame and a point that are the same.
+/// Reports names that programs cannot write, and equal names of entries of different kinds.
 fn check_names(reader: &TableReader<'_>, mut names: Vec<(&String, &Range<usize>)>) {
     for (name, span) in &names {
         if !is_name(name) {
@@ -170,7 +211,7 @@ fn check_names(reader: &TableReader<'_>, mut names: Vec<(&String, &Range<usize>)
         if let [(first, _), (second, span)] = pair
             && first == second
         {
-            let message = format!("`{second}` is a frame and a point");
+            let message = format!("`{second}` is the name of two entries");
             let help = "give them different names".to_owned();
             reader.errors.add((*span).clone(), message, Some(help));
         }

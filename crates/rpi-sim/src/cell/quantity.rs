@@ -29,11 +29,15 @@ pub(crate) enum Dimension {
     Force,
     /// Torque, in N m.
     Torque,
+    /// Mass, in kg.
+    Mass,
+    /// Moment of inertia, in kg m².
+    Inertia,
 }
 
 use Dimension::{
-    Acceleration, Angle, AngularAcceleration, AngularJerk, AngularVelocity, Force, Jerk, Length,
-    Time, Torque, Velocity,
+    Acceleration, Angle, AngularAcceleration, AngularJerk, AngularVelocity, Force, Inertia, Jerk,
+    Length, Mass, Time, Torque, Velocity,
 };
 
 const DEGREE: f64 = core::f64::consts::PI / 180.0;
@@ -65,6 +69,9 @@ const UNITS: &[(Dimension, &str, f64)] = &[
     (Force, "kN", 1e3),
     (Torque, "N m", 1.0),
     (Torque, "Nm", 1.0),
+    (Mass, "kg", 1.0),
+    (Mass, "g", 1e-3),
+    (Inertia, "kg m^2", 1.0),
 ];
 
 /// Error: a text is not a number with a unit of the expected dimension. The text names the expected form.

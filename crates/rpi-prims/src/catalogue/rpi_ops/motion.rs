@@ -40,7 +40,8 @@ macro_rules! motion {
             /// The motion begins in a cycle in which `inMotion` is 0, from the position, velocity and acceleration of
             /// the arm as commanded. `outMotion` is the number of the motion; pass it to `inMotion` in the next cycles.
             /// The other in-ports are read only at the beginning, except `inOverride` (share of the speed, 0 to 1),
-            /// `inPaused` (the arm comes to rest on the path) and those described above as read in each cycle. A part
+            /// `inPaused` (the arm comes to rest on the path) and those described above as read in each cycle. The frame that
+            /// is called tool here is `inTool`, a pose in the frame of the arm's own tool. A part
             /// of the initial velocity and acceleration of the arm that the path does not have decays within the limits
             /// of all axes; `outOnPath` is true afterwards. `outDone` is true from the cycle after the last set-point.
             /// `outError` is the error code of the motion once the arm rests; 0 if there is none.
@@ -52,7 +53,8 @@ macro_rules! motion {
                 inAcceleration: f64 = Acceleration(Real(0.5));
                 inJerk: f64 = Jerk(Real(5.0));
                 inOverride: f64 = Override(Real(1.0));
-                inPaused: bool = Paused(Bool(false))
+                inPaused: bool = Paused(Bool(false));
+                inTool: Pose
             }
             param { Robot: Text = Str("") $(; $axes: i64 = Int(7))? }
             out {

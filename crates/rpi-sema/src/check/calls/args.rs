@@ -21,6 +21,7 @@ use crate::ty::check_assignable;
 use crate::typed::TypedKind;
 use crate::typed::{ExprId, FlowRole, UnitKind};
 use rpi_diag::{Code, Diagnostic, Fix, Quote, Span};
+use rpi_image::Scalar;
 use rpi_syntax::Name;
 use rpi_syntax::ast::{Arg, Expr, ExprKind, Ident};
 use rpi_syntax::ops::BinaryOp;
@@ -343,10 +344,15 @@ pub(crate) fn check_arg_types(
     }
     exact_time::convert_time_args(cx, header, args);
     for (port, arg) in header.inputs.iter().zip(&*args) {
+        match arg {
+            Some(arg) => bind_device_frames(cx, port, *arg, subst),
+            None => bind_omitted_frame(port, subst),
+        }
+    }
+    for (port, arg) in header.inputs.iter().zip(&*args) {
         let Some(arg) = *arg else {
             continue;
         };
-        bind_device_frames(cx, port, arg, subst);
         let found = cx.ty_of(arg).clone();
         match check_assignable(&port.ty, &found, subst) {
             Ok(()) => sound &= expr::check_angle_unit(cx, arg, &port.ty),
@@ -360,6 +366,20 @@ pub(crate) fn check_arg_types(
         }
     }
     sound
+}
+
+/// Binds, in `subst`, the free frame `a` of an in-port `Pose(a in b)` that uses its default to the frame `b`: without an argument,
+/// the port is the pose of `b` itself.
+fn bind_omitted_frame(port: &Port, subst: &mut Substitution) {
+    let (Ty::Spatial(Scalar::Pose, own), Ty::Spatial(_, known)) =
+        (&port.ty, port.ty.substituted(subst))
+    else {
+        return;
+    };
+    let free = own.of.as_ref().and_then(|of| subst.frames.get_mut(of));
+    if let Some(free @ None) = free {
+        free.clone_from(&known.in_frame);
+    }
 }
 
 /// Replaces, in `subst`, each frame of the device that is passed for the port by the corresponding frame of the caller:

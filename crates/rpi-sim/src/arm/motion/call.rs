@@ -3,14 +3,18 @@
 use super::super::Arm;
 use super::super::path_fault::PathFault;
 use super::{MotionKind, rests, same_joints};
-use crate::device::SlotWriter;
+use crate::device::{SlotWriter, pose_from};
 use crate::error_code::ErrorCode;
+use rpi_kin::Pose;
 use rpi_kin::state_to_rest::Bounds;
 use rpi_motion::{Controls, JointState};
 
 /// Number of slots in the result of a motion function after the joints and the pose: distance travelled, progress,
 /// speed, whether the arm is on the path, whether the motion is done, error code.
 const STATUS_SLOTS: u32 = 6;
+
+/// Number of slots of a pose.
+const POSE_SLOTS: usize = 7;
 
 /// Number of slots in the result of a motion function besides those of the joints: number of the motion, pose, status.
 pub(in crate::arm) const RESULT_SLOTS: u32 = 1 + 7 + STATUS_SLOTS;
@@ -21,13 +25,16 @@ pub(super) struct Request<'a> {
     pub(super) target: &'a [u64],
     pub(super) requested: Bounds,
     pub(super) controls: Controls,
+    /// Pose of the frame that moves along the path, in the frame of the arm's own tool.
+    pub(super) tool: Pose,
 }
 
 impl<'a> Request<'a> {
     /// Splits the arguments, which are in order: number of the motion, target, speed, acceleration, jerk, override,
-    /// pause. `None` if there are too few slots.
+    /// pause, tool. `None` if there are too few slots.
     pub(super) fn from_slots(slots: &'a [u64]) -> Option<Self> {
         let (motion, rest) = slots.split_first()?;
+        let (rest, tool) = rest.split_last_chunk::<POSE_SLOTS>()?;
         let (target, rest) = rest.split_last_chunk::<5>()?;
         let [speed, acceleration, jerk, share] = [0, 1, 2, 3].map(|k| f64::from_bits(rest[k]));
         Some(Self {
@@ -42,6 +49,7 @@ impl<'a> Request<'a> {
                 speed_share: if share >= 0.0 { share.min(1.0) } else { 0.0 },
                 paused: rest[4] != 0,
             },
+            tool: pose_from(tool),
         })
     }
 }
@@ -126,7 +134,7 @@ impl Arm {
         let (way, error) = (motion.way, motion.error);
         out.put_bits(number.cast_unsigned());
         out.put_reals(at.joints.into_iter().take(self.axes()));
-        out.put_pose(&self.forward(&at.joints[..self.axes()]));
+        out.put_pose(&self.motion.arm.forward(&at.joints));
         out.put_reals([progress * way, progress, speed]);
         out.put_bits(u64::from(at.on_path && error == ErrorCode::OK));
         out.put_bits(u64::from(done && error == ErrorCode::OK));
