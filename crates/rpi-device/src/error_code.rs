@@ -91,6 +91,8 @@ impl ErrorCode {
     pub const CONNECTION_LOST: Self = Self(32);
     /// The controller of the device has stopped by itself, because of missing set-points or another cause.
     pub const CONTROLLER_STOPPED: Self = Self(33);
+    /// A safety function of the controller has stopped the arm. An operator must clear the cause and release it there.
+    pub const PROTECTIVE_STOP: Self = Self(34);
 
     /// True for a code whose report carries a place on the path of the tool, as `value`, and the length of the path, as
     /// `limit`, both in m.
@@ -115,6 +117,7 @@ impl ErrorCode {
                 | Self::EMERGENCY_STOP
                 | Self::CONNECTION_LOST
                 | Self::CONTROLLER_STOPPED
+                | Self::PROTECTIVE_STOP
         )
     }
 
@@ -302,5 +305,10 @@ pub const ERROR_CODES: &[ErrorCodeInfo] = &[
         ErrorCode::CONTROLLER_STOPPED,
         "controller-stopped",
         "the controller of the device has stopped by itself, because set-points were missing or for a reason of its own",
+    ),
+    line(
+        ErrorCode::PROTECTIVE_STOP,
+        "protective-stop",
+        "a safety function of the controller has stopped the arm; clear the cause and unlock it at the controller",
     ),
 ];

@@ -1,14 +1,17 @@
 //! The device bank of a simulated cell.
 
 use crate::arm::Arm;
+use crate::arm::driven::DrivenArm;
 use crate::base::Base;
-use crate::cell::{Cell, DeviceKind, DeviceSpec};
+use crate::cell::{ArmDriver, ArmSpec, Cell, DeviceKind, DeviceSpec};
 use crate::device::{Device, PortIndex, Report};
 use crate::error_code::ErrorCode;
 use crate::fault::ScheduledFault;
 use crate::io::IoDevice;
 use crate::kinds::BuildContext;
-use crate::udp::UdpArm;
+#[cfg(feature = "rtde")]
+use crate::rtde::UrController;
+use crate::udp::UdpController;
 use core::ops::Range;
 use rpi_device::{
     DeviceBank, DeviceState, Discontinuity, PortId, PortQuery, Rejection, ResolveError,
@@ -279,10 +282,7 @@ impl SimBank {
 
 fn build_device(spec: &DeviceSpec, tick: f64, seed: u64, number: usize) -> Box<dyn CellDevice> {
     match &spec.kind {
-        DeviceKind::Arm(arm) => match arm.udp {
-            Some(udp) => Box::new(UdpArm::new(arm, udp, tick, seed, number)),
-            None => Box::new(Arm::new(arm, tick, seed, number)),
-        },
+        DeviceKind::Arm(arm) => build_arm(arm, tick, Arm::new(arm, tick, seed, number)),
         DeviceKind::Io(io) => Box::new(IoDevice::new(io)),
         DeviceKind::Base(base) => Box::new(Base::new(base, tick)),
         DeviceKind::Small(small) => small.build(&BuildContext {
@@ -290,6 +290,18 @@ fn build_device(spec: &DeviceSpec, tick: f64, seed: u64, number: usize) -> Box<d
             seed,
             place: number,
         }),
+    }
+}
+
+fn build_arm(spec: &ArmSpec, tick: f64, arm: Arm) -> Box<dyn CellDevice> {
+    match &spec.driver {
+        None => Box::new(arm),
+        Some(ArmDriver::Udp(udp)) => Box::new(DrivenArm::new(arm, UdpController::new(*udp, tick))),
+        #[cfg(feature = "rtde")]
+        Some(ArmDriver::Ur(ur)) => {
+            let controller = UrController::new(ur, &spec.limits, tick);
+            Box::new(DrivenArm::new(arm, controller))
+        }
     }
 }
 

@@ -17,6 +17,7 @@ mod fault;
 mod io;
 mod kinds;
 mod noise;
+pub mod rtde;
 pub mod udp;
 
 pub use bank::{DeviceStatus, MAX_DEVICES, NamedDevice, OpenError, SimBank};

@@ -149,7 +149,7 @@ cell.toml:4:1: unknown key `joint`
 cell.toml:6:8: unknown value \"leg\" for `kind`
  6 | kind = \"leg\"
    |        ^^^^^
-   = expected one of arm, udp-arm, digital-io, analogue-io, io, linear-unit, positioner, base, gripper, force-torque, light-barrier, conveyor, spindle
+   = expected one of arm, udp-arm, ur-arm, digital-io, analogue-io, io, linear-unit, positioner, base, gripper, force-torque, light-barrier, conveyor, spindle
 ";
     assert_eq!(faults(text), expected);
 }
@@ -216,6 +216,26 @@ const BROKEN: &[(&str, &str)] = &[
     (
         "[devices.a]\nkind = \"arm\"\nmodel = \"kuka-lwr4+\"\nfaults = [{ trouble = \"joint-failure\", axis = 7 }]",
         "4:47: `axis` is 7, out of range",
+    ),
+    (
+        "[devices.a]\nkind = \"ur-arm\"\nmodel = \"ur5e\"",
+        "1:1: `address` is missing",
+    ),
+    (
+        "[devices.a]\nkind = \"ur-arm\"\nmodel = \"ur5e\"\naddress = \"10.0.0.2:30004\"",
+        "4:11: `10.0.0.2:30004` is not a name or an IP address",
+    ),
+    (
+        "[devices.a]\nkind = \"ur-arm\"\nmodel = \"kuka-lwr4+\"\naddress = \"ur\"",
+        "3:9: model `kuka-lwr4+` has 7 axes, expected 6",
+    ),
+    (
+        "[devices.a]\nkind = \"ur-arm\"\nmodel = \"ur5e\"\naddress = \"ur\"\nlookahead = 0.3",
+        "5:13: `lookahead` is 0.3 s",
+    ),
+    (
+        "[devices.a]\nkind = \"ur-arm\"\nmodel = \"ur5e\"\naddress = \"ur\"\ngain = 99",
+        "5:8: `gain` is 99",
     ),
     (
         "[devices.a]\nkind = \"digital-io\"\ninputs = [1]",

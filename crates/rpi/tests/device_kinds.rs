@@ -132,8 +132,9 @@ fn run(kind: &str, keys: &str, parameter: &str, body: &str) -> (Option<i32>, Str
 #[test]
 fn a_program_runs_on_every_kind() {
     let kinds: BTreeSet<&str> = Cell::kinds().map(|kind| kind.name).collect();
-    // `udp-arm` needs a controller: its programs are in `udp_arm.rs`.
-    let tested = CASES.iter().map(|case| case.kind).chain(["udp-arm"]);
+    // These kinds need a controller: their programs are in `udp_arm` and `rtde`.
+    let driven = ["udp-arm", "ur-arm"];
+    let tested = CASES.iter().map(|case| case.kind).chain(driven);
     let tested: BTreeSet<&str> = tested.collect();
     assert_eq!(kinds, tested, "each kind has a case");
     for case in CASES {

@@ -118,7 +118,7 @@ pub(super) fn device_spec(new: &NewDevice<'_>, tick: f64) -> Result<DeviceSpec, 
             latency: 0.0,
             noise: 0.0,
             watchdog: 1,
-            udp: None,
+            driver: None,
             faults: Vec::new(),
         }),
     })

@@ -7,6 +7,7 @@
 mod axes_motion;
 mod axis;
 mod brake;
+pub(crate) mod driven;
 pub(crate) mod external;
 mod faults;
 mod jog;

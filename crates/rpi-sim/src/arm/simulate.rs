@@ -149,7 +149,7 @@ impl Arm {
 
     /// True if the arm moves or has not reached its last set-point. A set-point of this tick takes precedence over the
     /// present velocity: a set-point at the present position brings an axis to rest.
-    pub(super) fn is_moving(&self) -> bool {
+    pub(crate) fn is_moving(&self) -> bool {
         let moves = |axis: &Axis| axis.staged.unwrap_or(axis.commanded).is_moving();
         self.brake.is_some() || self.ticks_left > 0 || self.axes.iter().any(moves)
     }

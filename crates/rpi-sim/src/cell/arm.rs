@@ -1,5 +1,6 @@
 //! Devices with `kind = "arm"` and `kind = "linear-unit"`.
 
+use super::arm_driver::ArmDriver;
 use super::faults;
 use super::periods::read_periods;
 use super::pose::read_pose_at;
@@ -13,12 +14,10 @@ use super::robot::{self, ROBOT_FILES, RobotDescription};
 use super::value::Node;
 use super::words::WordOrFile;
 use crate::fault::ScheduledFault;
-use crate::udp::UdpSpec;
 use nalgebra::Isometry3;
 use rpi_kin::chain::JointType;
 use rpi_kin::state_to_rest::Bounds;
 use rpi_kin::{ArmModel, AxisLimits, Range, models};
-use std::net::SocketAddr;
 
 /// Description of an arm, linear unit or positioner of a cell.
 #[derive(Clone, Debug, PartialEq)]
@@ -46,8 +45,8 @@ pub struct ArmSpec {
     pub noise: f64,
     /// Number of periods without set-points after which a moving arm brakes, at least 1.
     pub watchdog: u32,
-    /// Connection to the controller of a real arm; `None` for a simulated arm.
-    pub udp: Option<UdpSpec>,
+    /// Driver of a real arm; `None` for a simulated arm.
+    pub driver: Option<ArmDriver>,
     /// Elastic surface under the tool; `None` without one.
     pub surface: Option<Surface>,
     /// Faults that the simulation injects, each with its time.
@@ -128,34 +127,6 @@ pub(super) fn read_built_in(reader: &mut TableReader<'_>, model: &str) -> Option
     Some(spec)
 }
 
-/// Reads the keys of `kind = "udp-arm"`: an arm behind a real controller.
-pub(super) fn read_udp(reader: &mut TableReader<'_>) -> Option<ArmSpec> {
-    let address = read_address(reader);
-    let timeout = reader.positive("timeout", Time).unwrap_or(0.1);
-    let spec = read(reader)?;
-    let udp = UdpSpec {
-        address: address?,
-        timeout,
-    };
-    Some(ArmSpec {
-        udp: Some(udp),
-        ..spec
-    })
-}
-
-/// Reads the key `address`: an IP address with a port. Reports an error and returns `None` if it is missing or invalid.
-fn read_address(reader: &mut TableReader<'_>) -> Option<SocketAddr> {
-    let text = reader.text("address");
-    let address = text.and_then(|text| text.parse().ok());
-    let help = "expected an address and a port, such as \"192.168.1.2:5005\"";
-    reader.require("address", help);
-    if let (Some(text), None) = (text, address) {
-        let message = format!("`{text}` is not an address");
-        reader.error_at("address", message, Some(help.to_owned()));
-    }
-    address
-}
-
 /// Returns the dimensions of the numbers for one axis of a model, counted from 0: angles, or lengths for a linear axis.
 fn axis_dimensions(model: &ArmModel, axis: usize) -> AxisDimensions {
     let link = model.chain.links.get(axis);
@@ -190,7 +161,7 @@ fn read_of(
         latency: reader.magnitude("latency", Time).unwrap_or(0.0),
         noise: reader.magnitude("noise", dimensions[0][0]).unwrap_or(0.0),
         watchdog: read_periods(reader, "watchdog").unwrap_or(1),
-        udp: None,
+        driver: None,
         surface: read_surface(reader),
         faults: faults::read(reader, axes),
     }

@@ -112,6 +112,19 @@ pub(super) const DESCRIPTIONS: &[(&str, &str)] = &[
         "timeout",
         "Time without a state of the controller after which the connection counts as lost. Default: 0.1",
     ),
+    ("rtde_port", "TCP port of RTDE. Default: 30004"),
+    (
+        "script_port",
+        "TCP port that accepts URScript programs. Default: 30002",
+    ),
+    (
+        "lookahead",
+        "Time by which the controller looks ahead (`servoj`), 0.03 to 0.2 s. Default: 0.1",
+    ),
+    (
+        "gain",
+        "Proportional gain of the controller (`servoj`), 100 to 2000. Default: 300",
+    ),
     // Injected faults.
     ("faults", "Faults that the simulation injects"),
     ("faults.at", "Time at which the fault begins. Default: 0"),

@@ -3,7 +3,7 @@
 use super::collector::ErrorCollector;
 use super::reader::TableReader;
 use super::shape::TableShape;
-use super::{ArmSpec, BaseSpec, Cell, IoSpec, arm, io, simple_devices};
+use super::{ArmSpec, BaseSpec, Cell, IoSpec, arm, arm_driver, io, simple_devices};
 use crate::device::PortInfo;
 use crate::kinds::{SMALL_KINDS, SmallKind, SmallSpec};
 use std::rc::Rc;
@@ -76,7 +76,14 @@ const LARGE_KINDS: &[KindInfo] = &[
         "udp-arm",
         "robot arm behind a controller, by UDP",
         &["Arm"],
-        |reader| arm::read_udp(reader).map(DeviceKind::Arm),
+        |reader| arm_driver::read_udp(reader).map(DeviceKind::Arm),
+        arm_ports,
+    ),
+    large(
+        "ur-arm",
+        "robot arm of Universal Robots, by RTDE",
+        &["Arm"],
+        |reader| arm_driver::read_ur(reader).map(DeviceKind::Arm),
         arm_ports,
     ),
     large(

@@ -3,6 +3,7 @@
 //! Parsing does not stop at the first error. The result is either a complete cell or all errors with their positions.
 
 mod arm;
+mod arm_driver;
 mod collector;
 mod descriptions;
 mod error;
@@ -25,6 +26,7 @@ mod value;
 mod words;
 
 pub use arm::{ArmSpec, EnforcedLimits, Surface};
+pub use arm_driver::ArmDriver;
 pub use error::{CellError, CellErrors};
 pub use io::{InputChange, IoSpec, TerminalSpec};
 pub use kind::{DeviceKind, KindInfo};

@@ -4,6 +4,7 @@ use super::quantity::{self, Dimension};
 use super::reader::TableReader;
 use super::shape::{ListLength, Sign, ValueShape};
 use super::value::{Node, Value, in_unit};
+use core::ops::RangeInclusive;
 
 impl<'a> TableReader<'a> {
     /// Reads a finite number in SI units; `None` if the key is missing or invalid.
@@ -19,6 +20,24 @@ impl<'a> TableReader<'a> {
     /// Reads a finite number in SI units that is greater than zero; `None` if the key is missing or invalid.
     pub(super) fn positive(&mut self, key: &'static str, dimension: Dimension) -> Option<f64> {
         self.signed(key, dimension, Sign::Positive)
+    }
+
+    /// Reads a finite number of a range in SI units; `None` if the key is missing or invalid.
+    pub(super) fn real_within(
+        &mut self,
+        key: &'static str,
+        dimension: Dimension,
+        range: RangeInclusive<f64>,
+    ) -> Option<f64> {
+        let value = self.positive(key, dimension)?;
+        let is_good = range.contains(&value);
+        if !is_good {
+            let unit = quantity::unit_suffix(dimension);
+            let message = format!("`{key}` is {value}{unit}");
+            let help = format!("the range is {} to {}{unit}", range.start(), range.end());
+            self.error_at(key, message, Some(help));
+        }
+        is_good.then_some(value)
     }
 
     fn signed(&mut self, key: &'static str, dimension: Dimension, sign: Sign) -> Option<f64> {

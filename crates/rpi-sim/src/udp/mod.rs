@@ -7,7 +7,7 @@ mod arm;
 mod link;
 pub mod protocol;
 
-pub(crate) use arm::UdpArm;
+pub(crate) use arm::UdpController;
 
 use std::net::SocketAddr;
 

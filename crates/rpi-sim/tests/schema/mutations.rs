@@ -151,7 +151,7 @@ fn no_single_change_of_a_cell_is_rejected_by_the_schema_alone() {
     let mut all = Rejections::default();
     for cell in small_cells() {
         // The keys of all arms are the same, and each arm takes as long again.
-        if ["udp-arm", "scara", "positioner"]
+        if ["udp-arm", "ur-arm", "scara", "positioner"]
             .iter()
             .any(|word| cell.contains(word))
         {

@@ -129,6 +129,14 @@ const HEADS: &[(&str, usize)] = &[
         "kind = 'udp-arm'\nmodel = 'ur5e.toml'\naddress = '127.0.0.1:5005'\ntimeout = '1 ms'",
         6,
     ),
+    (
+        "kind = 'ur-arm'\nmodel = 'ur5e'\naddress = '10.0.0.2'\ntimeout = 1\nlookahead = 0.1\ngain = 300",
+        6,
+    ),
+    (
+        "kind = 'ur-arm'\nmodel = 'ur5e'\naddress = 'ur.local'\nrtde_port = 30004\nscript_port = 30002\nlookahead = '30 ms'",
+        6,
+    ),
     ("kind = 'linear-unit'", 1),
     ("kind = 'positioner'", 2),
 ];
@@ -237,6 +245,8 @@ pub(crate) const WRONG_CELLS: &[&str] = &[
     "[devices.a]\nkind = \"arm\"\nmodel = \"kuka-lwr4+\"\nfaults = [{ at = 1 }]",
     "[devices.a]\nkind = \"arm\"\nmodel = \"kuka-lwr4+\"\nfaults = [{ trouble = \"joint-failure\", axis = 7 }]",
     "[devices.a]\nkind = \"udp-arm\"\nmodel = \"ur5e\"",
+    "[devices.a]\nkind = \"ur-arm\"\nmodel = \"ur5e\"",
+    "[devices.a]\nkind = \"ur-arm\"\nmodel = \"ur5e\"\naddress = \"a\"\nrtde_port = 0",
     "[devices.a]\nkind = \"linear-unit\"\njoints = [0, 0]",
     "[devices.a]\nkind = \"linear-unit\"\nlimits = { upper = \"30 deg\" }",
     "[devices.a]\nkind = \"linear-unit\"\nmodel = \"ur5e\"",

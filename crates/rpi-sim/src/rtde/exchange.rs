@@ -1,0 +1,316 @@
+//! The thread of the driver: connects again after a loss, sends the program, begins epochs, and plays set-points.
+
+use super::AXES;
+use super::UrSpec;
+use super::error::RtdeError;
+use super::link::{ControllerState, SetPoint, Shared};
+use super::player::Player;
+use super::recipe::{Command, Joints, Sample};
+use super::session::{Session, connect};
+use super::status::{self, ProgramState, Status};
+use crate::error_code::ErrorCode;
+use rtrb::{Consumer, Producer};
+use std::io::{self, Read, Write};
+use std::net::TcpStream;
+use std::sync::Arc;
+use std::thread;
+use std::time::{Duration, Instant};
+
+/// Shortest and longest time between two attempts to connect, to send the program or to begin an epoch.
+const BACK_OFF: [Duration; 2] = [Duration::from_millis(200), Duration::from_secs(5)];
+/// Time after the end of an epoch before the next attempt, so that an operator who has stopped the program sees that it has
+/// stopped.
+const AFTER_STOP: Duration = Duration::from_millis(500);
+/// Time without a state of the controller after which the connection is closed and opened again.
+const SILENCE: Duration = Duration::from_secs(1);
+/// Time in which the program must answer: start, or follow a new epoch.
+const PROGRAM_TIME: Duration = Duration::from_secs(2);
+/// Maximum distance of the commanded from the measured position at which an epoch begins at the commanded one, in rad.
+const TARGET_TOLERANCE: f64 = 0.005;
+/// Number of times that the last set-point is repeated at the end, so that the program recognises rest.
+const REPETITIONS: u32 = 5;
+
+/// Progress towards a program that follows set-points.
+#[derive(Clone, Copy, Debug, PartialEq)]
+enum Stage {
+    /// No epoch (sequence of set-points) has begun.
+    Idle,
+    /// The program must begin to follow this epoch before the time limit.
+    Joining(i32, Instant),
+    /// The program follows this epoch.
+    Following(i32),
+}
+
+/// Both queues to the cycle.
+pub(super) type Queues = (Consumer<SetPoint>, Producer<ControllerState>);
+
+/// State of the thread.
+pub(super) struct Exchange {
+    spec: UrSpec,
+    /// Token and text of the program.
+    program: (i32, String),
+    queues: Queues,
+    shared: Arc<Shared>,
+    player: Player,
+    stage: Stage,
+    /// Number of the last epoch.
+    epoch: i32,
+    /// Number of the last command.
+    number: i32,
+    /// Positions at which the present epoch has begun, in rad; held until the cycle sends set-points.
+    start: Joints,
+    /// Connection by which the program was sent, kept until the program runs, and its time limit.
+    upload: Option<(TcpStream, Instant)>,
+    /// Error of the last attempt to send the program; `None` if it was sent.
+    upload_error: Option<String>,
+    /// Earliest time of the next attempt to send the program or to begin an epoch, and the pause after that.
+    attempt: (Instant, Duration),
+    /// Clock of the controller at the last sample, in s.
+    clock: f64,
+    /// Time by which set-points were played ahead of the controller's clock, because a sample was late, in s.
+    ahead: f64,
+}
+
+impl Exchange {
+    /// Creates the state of a thread for a cell with ticks of `tick` s.
+    pub(super) fn new(
+        spec: UrSpec,
+        program: (i32, String),
+        tick: f64,
+        queues: Queues,
+        shared: Arc<Shared>,
+    ) -> Self {
+        // Covers the jitter of the cell's clock and the one of the controller's.
+        let delay = 2.0 * tick + 0.006;
+        Self {
+            spec,
+            epoch: program.0 & 0xffff,
+            program,
+            queues,
+            shared,
+            player: Player::new(delay),
+            stage: Stage::Idle,
+            number: 0,
+            start: [0.0; AXES],
+            upload: None,
+            upload_error: None,
+            attempt: (Instant::now(), BACK_OFF[0]),
+            clock: 0.0,
+            ahead: 0.0,
+        }
+    }
+
+    /// Exchanges samples and set-points, and connects again after each loss, until the connection is closed.
+    pub(super) fn run(mut self, first: Session) {
+        let mut session = Ok(first);
+        let mut pause = BACK_OFF[0];
+        loop {
+            let ended = session.and_then(|session| {
+                pause = BACK_OFF[0];
+                self.exchange(session)
+            });
+            self.shared.set_connected(false);
+            let Err(error) = ended else {
+                return;
+            };
+            self.shared.set_advice(&error.to_string());
+            let until = Instant::now() + pause;
+            while Instant::now() < until {
+                if self.shared.is_closed() {
+                    return;
+                }
+                thread::sleep(Duration::from_millis(10));
+            }
+            pause = (2 * pause).min(BACK_OFF[1]);
+            session = Session::open(&self.spec);
+        }
+    }
+
+    /// Exchanges samples and set-points until the connection is closed by this end.
+    ///
+    /// # Errors
+    /// Returns the cause of a loss of the connection.
+    fn exchange(&mut self, mut session: Session) -> Result<(), RtdeError> {
+        let mut status = Status::new(self.program.0);
+        let timeout = Duration::from_secs_f64(self.spec.timeout);
+        let (mut last, mut repetitions) = (Instant::now(), 0);
+        (self.stage, self.ahead) = (Stage::Idle, 0.0);
+        loop {
+            let duration = match session.receive()? {
+                Some(sample) => {
+                    last = Instant::now();
+                    self.take_sample(&sample, &mut status)
+                }
+                None if last.elapsed() > SILENCE.max(2 * timeout) => {
+                    return Err(RtdeError::NoAnswer("its state"));
+                }
+                // The cycle reports the loss by now. Without set-points, the controller brakes.
+                None if last.elapsed() > timeout => continue,
+                None => {
+                    self.ahead += session.cycle;
+                    session.cycle
+                }
+            };
+            self.take_set_points();
+            let is_closed = self.shared.is_closed();
+            let command = self.next_command(duration).or_else(|| {
+                let last = self.player.newest().filter(|_| is_closed)?;
+                repetitions += 1;
+                let repeats = self.player.is_at_rest() && repetitions <= REPETITIONS;
+                repeats.then(|| self.command(last))
+            });
+            match command {
+                Some(command) => session.send(&command)?,
+                None if is_closed => return Ok(()),
+                None => {}
+            }
+            if is_closed && (self.player.is_empty() || self.stage == Stage::Idle) {
+                return Ok(());
+            }
+        }
+    }
+
+    /// Passes a sample to the cycle, and proceeds towards a program that follows. Returns the duration to play, in s.
+    fn take_sample(&mut self, sample: &Sample, status: &mut Status) -> f64 {
+        // After a gap, or a restart of the controller, the set-points are not played in one step.
+        let passed = (sample.clock - self.clock).clamp(0.0, 0.1);
+        let duration = (passed - self.ahead).max(0.0);
+        (self.clock, self.ahead) = (sample.clock, 0.0);
+        let program = status.program(sample);
+        let failure = status::failure(sample);
+        self.proceed(sample, program, failure);
+        let following = match self.stage {
+            Stage::Following(epoch) => epoch,
+            _ => {
+                let is_absent = matches!(program, ProgramState::Absent | ProgramState::Orphaned);
+                match &self.upload_error {
+                    Some(error) if is_absent => self.shared.set_advice(error),
+                    _ => self.shared.set_advice(status::advice(sample, program)),
+                }
+                0
+            }
+        };
+        // A full queue means that the cycle does not run; it needs only newer states then.
+        let _ = self.queues.1.push(ControllerState {
+            clock: sample.clock,
+            positions: sample.positions,
+            failure,
+            epoch: following,
+            start: self.start,
+        });
+        self.shared.set_connected(true);
+        duration
+    }
+
+    fn proceed(&mut self, sample: &Sample, program: ProgramState, failure: ErrorCode) {
+        self.drain_upload(program);
+        let now = Instant::now();
+        match self.stage {
+            Stage::Following(epoch) | Stage::Joining(epoch, _)
+                if program == ProgramState::Following(epoch) && failure == ErrorCode::OK =>
+            {
+                if self.stage != Stage::Following(epoch) {
+                    self.player.clear();
+                    self.attempt = (now, BACK_OFF[0]);
+                }
+                self.stage = Stage::Following(epoch);
+            }
+            Stage::Following(_) => {
+                self.stage = Stage::Idle;
+                self.attempt = (now + AFTER_STOP, BACK_OFF[0]);
+            }
+            Stage::Joining(_, limit) if now < limit && failure == ErrorCode::OK => {}
+            Stage::Joining(..) => self.stage = Stage::Idle,
+            Stage::Idle if failure != ErrorCode::OK || !status::is_at_rest(sample) => {}
+            Stage::Idle if now < self.attempt.0 || self.upload.is_some() => {}
+            Stage::Idle => self.attempt_start(sample, program, now),
+        }
+    }
+
+    /// The arm rests and has no fault: sends the program if it does not run, or begins an epoch if it waits.
+    fn attempt_start(&mut self, sample: &Sample, program: ProgramState, now: Instant) {
+        match program {
+            ProgramState::Absent | ProgramState::Orphaned => {
+                self.postpone(now);
+                self.upload_error = self.send_program().err().map(|error| error.to_string());
+            }
+            ProgramState::Waiting => {
+                self.postpone(now);
+                let gaps = sample.targets.iter().zip(&sample.positions);
+                let is_near = gaps
+                    .map(|(q, p)| (q - p).abs())
+                    .all(|gap| gap < TARGET_TOLERANCE);
+                // The commanded position, so that the controller does not move at the start. After some stops it is
+                // far away; then the measured one.
+                self.start = if is_near {
+                    sample.targets
+                } else {
+                    sample.positions
+                };
+                self.epoch = (self.epoch.max(sample.epoch) + 1) & i32::MAX;
+                self.epoch = self.epoch.max(1);
+                self.stage = Stage::Joining(self.epoch, now + PROGRAM_TIME);
+            }
+            ProgramState::Following(_) | ProgramState::Braking | ProgramState::Foreign => {}
+        }
+    }
+
+    fn postpone(&mut self, now: Instant) {
+        let pause = self.attempt.1;
+        self.attempt = (now + pause, (2 * pause).min(BACK_OFF[1]));
+    }
+
+    fn send_program(&mut self) -> io::Result<()> {
+        let mut stream = connect(&self.spec.host, self.spec.script_port)?;
+        stream.write_all(self.program.1.as_bytes())?;
+        stream.set_nonblocking(true)?;
+        self.upload = Some((stream, Instant::now() + PROGRAM_TIME));
+        Ok(())
+    }
+
+    /// Reads what the controller sends to the port of programs, so that closing it does not reset the connection before the
+    /// program has arrived. Closes it when the program runs.
+    fn drain_upload(&mut self, program: ProgramState) {
+        let Some((stream, limit)) = &mut self.upload else {
+            return;
+        };
+        let mut bytes = [0; 4096];
+        for _ in 0..16 {
+            if !matches!(stream.read(&mut bytes), Ok(1..)) {
+                break;
+            }
+        }
+        if program == ProgramState::Waiting || Instant::now() > *limit {
+            self.upload = None;
+        }
+    }
+
+    fn take_set_points(&mut self) {
+        while let Ok(new) = self.queues.0.pop() {
+            if self.stage == Stage::Following(new.epoch) {
+                self.player.push(new.time, new.positions);
+            }
+        }
+    }
+
+    /// Returns the next command, `duration` s after the last one; `None` if a set-point is missing.
+    fn next_command(&mut self, duration: f64) -> Option<Command> {
+        let positions = match self.stage {
+            Stage::Following(_) if !self.player.is_empty() => self.player.advance(duration)?,
+            _ => self.start,
+        };
+        Some(self.command(positions))
+    }
+
+    fn command(&mut self, positions: Joints) -> Command {
+        self.number = self.number.wrapping_add(1);
+        Command {
+            epoch: match self.stage {
+                Stage::Idle => 0,
+                Stage::Joining(epoch, _) | Stage::Following(epoch) => epoch,
+            },
+            number: self.number,
+            positions,
+        }
+    }
+}
