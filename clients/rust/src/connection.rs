@@ -13,6 +13,7 @@ use tungstenite::handshake::{HandshakeError, HandshakeRole};
 use tungstenite::http::HeaderValue;
 use tungstenite::{Message, WebSocket};
 
+use crate::device_info::DeviceInfo;
 use crate::error::Error;
 use crate::goal::{OnLoss, Session};
 use crate::identity::Identity;
@@ -100,6 +101,16 @@ impl Client {
         let order = WorkerRequest::Call(method.to_owned(), params, answer);
         self.0.send(order).map_err(Error::connection)?;
         result.recv().map_err(Error::connection)?
+    }
+
+    /// Returns the devices of the server's cell.
+    ///
+    /// # Errors
+    /// Returns an error if the connection is closed.
+    pub fn devices(&self) -> Result<Vec<DeviceInfo>, Error> {
+        let answer = self.call("device.list", Value::Null)?;
+        let devices = answer["devices"].as_array().into_iter().flatten();
+        Ok(devices.map(DeviceInfo::from_json).collect())
     }
 
     /// Opens a session, which owns the commands and tasks that are loaded in it. `on_loss` is the policy for its

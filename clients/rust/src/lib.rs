@@ -19,6 +19,7 @@
 //! are answered. This crate must not know how the server does anything.
 
 mod connection;
+mod device_info;
 mod error;
 mod goal;
 mod identity;
@@ -27,6 +28,7 @@ mod task;
 mod tls;
 
 pub use connection::Client;
+pub use device_info::DeviceInfo;
 pub use error::Error;
 pub use goal::{Ending, Feedback, Goal, Language, OnLoss, Overruns, Program, Session};
 pub use identity::Identity;

@@ -124,6 +124,8 @@ codes! {
     RPI1015 Warning "error in an unused generic node";
     RPI1016 Warning "unused import";
     RPI1017 Warning "unused parameter";
+    RPI1018 Error "invalid list of points";
+    RPI1019 Warning "unused point";
     RPI1101 Error "unknown primitive";
     RPI1102 Warning "unknown in-port";
     RPI1103 Error "unknown parameter";
@@ -266,6 +268,7 @@ impl Code {
             self,
             Code::RPI1016
                 | Code::RPI1017
+                | Code::RPI1019
                 | Code::RPI3002
                 | Code::RPI3101
                 | Code::RPI3103

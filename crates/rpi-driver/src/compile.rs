@@ -125,8 +125,7 @@ fn program(input: &Input, text: &str, options: CompileOptions) -> Result<Compile
     let mut modules = text.modules(&mut sources);
     modules.arm_axes = options.arm_axes.or_from_file(modules.arm_axes);
     // Falling back to the default machine would check budgets against the wrong speed.
-    let machine = modules.machine_error.take();
-    if let Some(why) = machine.or_else(|| modules.points_error.take()) {
+    if let Some(why) = modules.machine_error.take() {
         return Err(why);
     }
     modules.machine.period_ns = options.period_ns.unwrap_or(modules.machine.period_ns);
@@ -134,10 +133,11 @@ fn program(input: &Input, text: &str, options: CompileOptions) -> Result<Compile
     let (mut built, _) = roots::build_modules(&modules, &sources, options);
     let links = doctext::broken_links(&sources, mode, &|| modules.index());
     built.diagnostics.extend(links);
-    if let Some(points) = modules.points.filter(|_| !has_errors(&built.diagnostics)) {
-        built
-            .diagnostics
-            .extend(crate::points::unused_warnings(&modules.index(), points));
+    if let Some((file, entries)) = modules.points.as_ref()
+        && !has_errors(&built.diagnostics)
+    {
+        let unused = crate::points::unused_warnings(&modules.index(), *file, entries);
+        built.diagnostics.extend(unused);
     }
     let mut diagnostics = built.diagnostics;
     crate::fixes::remove_library_fixes(&mut diagnostics, &sources);

@@ -41,6 +41,7 @@ mod machine;
 mod modules;
 mod node;
 mod points;
+mod points_text;
 mod program;
 mod program_tests;
 mod project;
@@ -70,6 +71,7 @@ pub use lowering::{
 pub use machine::{MACHINE, MachineError, machine_text, read_machine};
 pub use modules::{library_modules, library_text};
 pub use node::{CompiledNode, Node, compile_node};
+pub use points::{PointsError, check_points};
 pub use program_tests::Test;
 pub use project::{MANIFEST, Project, files_of};
 pub use rpi_sema::elab::ClaimPolicy;

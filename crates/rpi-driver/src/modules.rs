@@ -1,6 +1,6 @@
 //! Modules of a program: its file, included files, imported modules, and the embedded standard library.
 
-use std::collections::{BTreeMap, VecDeque};
+use std::collections::{BTreeMap, BTreeSet, VecDeque};
 use std::path::{Path, PathBuf};
 use std::sync::OnceLock;
 
@@ -66,10 +66,8 @@ pub(crate) struct Modules {
     pub(crate) machine: MachineProfile,
     /// Error in the machine description; `None` if there is none. With an error, `machine` is the default.
     pub(crate) machine_error: Option<InputError>,
-    /// File with the taught points of the module `points`; `None` if the program does not use it.
-    pub(crate) points: Option<FileId>,
-    /// Error in the file with the taught points; `None` if there is none.
-    pub(crate) points_error: Option<InputError>,
+    /// File of the module `points`, with the entries of its constants and frames; `None` if the program does not use it.
+    pub(crate) points: Option<(FileId, BTreeMap<String, String>)>,
     /// Number of axes of the arms of the cell that `cell.toml` in the folder describes; `None` if it does not decide it.
     pub(crate) arm_axes: Option<u32>,
     pub(crate) diagnostics: Vec<Diagnostic>,
@@ -153,8 +151,7 @@ struct Loader<'a> {
     modules: Vec<Module>,
     diagnostics: Vec<Diagnostic>,
     pending: VecDeque<String>,
-    points: Option<FileId>,
-    points_error: Option<InputError>,
+    points: Option<(FileId, BTreeMap<String, String>)>,
 }
 
 impl<'a> Loader<'a> {
@@ -171,7 +168,6 @@ impl<'a> Loader<'a> {
             diagnostics: Vec::new(),
             pending: VecDeque::new(),
             points: None,
-            points_error: None,
         }
     }
 
@@ -192,7 +188,6 @@ impl<'a> Loader<'a> {
         Modules {
             arm_axes: folder.and_then(|folder| cell::arm_axes(folder, self.disk)),
             points: self.points,
-            points_error: self.points_error,
             machine: machine.as_ref().copied().unwrap_or_default(),
             machine_error: machine.err(),
             modules: self.modules,
@@ -315,13 +310,24 @@ impl Loader<'_> {
         else {
             return false;
         };
-        let module =
-            points::module_text(&path, &text, &self.modules[0].name).unwrap_or_else(|error| {
-                self.points_error = Some(error);
-                String::new()
-            });
         let name = path.display().to_string();
-        self.points = Some(self.module(points::MODULE, &name, &module, Dialect::Rpi, false));
+        match points::read(&path, &text, &self.modules[0].name) {
+            Ok(module) => {
+                let file = self.module(points::MODULE, &name, &module.text, Dialect::Rpi, false);
+                self.points = Some((file, module.entries));
+            }
+            Err(errors) => {
+                let file = self.sources.add(name, text.as_str());
+                let (mut diagnostics, module) = points::faulty_module(file, &text, &errors);
+                self.diagnostics.append(&mut diagnostics);
+                self.modules.push(Module {
+                    name: points::MODULE.to_owned(),
+                    mode: Dialect::Rpi,
+                    files: vec![module],
+                    implicit: false,
+                });
+            }
+        }
         true
     }
 }
@@ -379,11 +385,26 @@ fn declaring_module(name: &str) -> Option<&'static str> {
     NAMES.get_or_init(library_names).get(name).copied()
 }
 
+/// Returns the names that the modules declare that every program imports implicitly.
+pub(crate) fn implicit_names() -> &'static BTreeSet<String> {
+    static NAMES: OnceLock<BTreeSet<String>> = OnceLock::new();
+    NAMES.get_or_init(|| {
+        names_where(|library| library.implicit)
+            .into_keys()
+            .collect()
+    })
+}
+
 /// Returns every name that a module of the standard library declares, with the module. Only modules that are not
 /// imported implicitly count.
 fn library_names() -> BTreeMap<String, &'static str> {
+    names_where(|library| !library.implicit)
+}
+
+/// Returns every name that one of the modules `of` of the standard library declares, with the module.
+fn names_where(of: fn(&Library) -> bool) -> BTreeMap<String, &'static str> {
     let mut names = BTreeMap::new();
-    for library in LIBRARY.iter().filter(|library| !library.implicit) {
+    for library in LIBRARY.iter().filter(|library| of(library)) {
         let file = parse(FileId(0), library.text, Dialect::Rpi).file;
         let source = Source {
             name: Name::from(library.name),

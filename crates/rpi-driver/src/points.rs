@@ -1,167 +1,208 @@
-//! Module `points`: the taught points and work frames of `points.toml` beside a program, as constants and frames.
+//! Module `points`: the taught points, work frames and tools of `points.toml` beside a program, as constants and frames.
 
-use std::collections::BTreeSet;
-use std::fmt::Write as _;
+use std::collections::{BTreeMap, BTreeSet};
+use std::ops::Range;
 use std::path::Path;
 
-use rpi_diag::{Code, Diagnostic, FileId};
+use rpi_diag::{Code, Diagnostic, FileId, Span};
 use rpi_sema::query::{DefKind, Index};
-use rpi_sim::{PointsFile, TaughtPoint, TaughtPose, Tool, WorkFrame};
+use rpi_sim::PointsFile;
+use rpi_syntax::ast::{DeclaredKind, DeclaredName, File, Ident, Item, ItemKind};
+use rpi_syntax::{Dialect, Name, parse};
 
-use crate::input::InputError;
+use crate::modules;
+use crate::points_text::{declared_names, foreign_frame, module_text};
 
 /// Name of the module, for which programs write `use points;`.
 pub(crate) const MODULE: &str = "points";
 /// Name of the file from which the module is made.
 pub(crate) const FILE: &str = "points.toml";
-/// Ending of the name of the constant with the joint positions of a point.
-const JOINTS: &str = "_joints";
-/// Endings of the names of the constants of one entry, besides that with its own name.
-const ENDINGS: [&str; 4] = [JOINTS, "_mass", "_centre", "_inertia"];
+/// Tables of the file.
+const TABLES: [&str; 3] = ["frames", "tools", "points"];
 
-/// Returns the text of the module with the points of a file. Frames that the file does not declare are those of the module
-/// `program`. Each declaration is on the line of the name in the file, so that
-/// diagnostics show the right line.
+/// Module with the points of a file.
+#[derive(Debug)]
+pub(crate) struct PointsModule {
+    /// Text of the module.
+    pub(crate) text: String,
+    /// Names of its constants and frames, each with the name of the entry of the file that gives it.
+    pub(crate) entries: BTreeMap<String, String>,
+}
+
+/// Error in a file with points.
+#[derive(Clone, PartialEq, Eq, Debug)]
+pub struct PointsError {
+    /// Bytes of the text that are wrong.
+    pub span: Range<usize>,
+    /// Description of the error.
+    pub message: String,
+    /// Suggestion for the user; `None` if there is none.
+    pub help: Option<String>,
+}
+
+/// Checks the text of a file with points, of the path `path`. Returns all errors.
+#[must_use]
+pub fn check_points(path: &Path, text: &str) -> Vec<PointsError> {
+    read(path, text, "program").err().unwrap_or_default()
+}
+
+/// Reads a file with points for the program whose module has the name `program`.
 ///
 /// # Errors
-/// If the text is not a valid list of points.
-pub(crate) fn module_text(path: &Path, text: &str, program: &str) -> Result<String, InputError> {
-    let name = path.display().to_string();
-    let file = PointsFile::parse(&name, text).map_err(|errors| {
-        let Some(first) = errors.errors.first() else {
-            return InputError::new(path, "invalid points");
-        };
-        let message = format!("line {}: {}", errors.line_column(first).0, first.message);
-        InputError {
-            help: first.help.clone(),
-            ..InputError::new(path, message)
-        }
+/// Returns all errors of the text.
+pub(crate) fn read(
+    path: &Path,
+    text: &str,
+    program: &str,
+) -> Result<PointsModule, Vec<PointsError>> {
+    let parsed = PointsFile::parse(&path.display().to_string(), text);
+    let file = parsed.map_err(|errors| {
+        let all = errors.errors.into_iter();
+        let error = all.map(|error| PointsError {
+            span: error.span,
+            message: error.message,
+            help: error.help,
+        });
+        error.collect::<Vec<_>>()
     })?;
-    let mut lines = vec![String::new(); text.lines().count().max(1)];
-    let mut put = |at: usize, declaration: String| {
-        let line = text[..at].matches('\n').count();
-        lines[line] += &declaration;
+    let mut errors = wrong_names(&file);
+    if let Some(frame) = foreign_frame(&file).filter(|_| !is_free_name(program)) {
+        errors.push(PointsError {
+            span: 0..text.find('\n').unwrap_or(text.len()),
+            message: format!("the frame `{frame}` is not in {FILE}"),
+            help: Some(format!(
+                "add [frames.{frame}], or rename the program: `{program}` is not a name that `use` can have"
+            )),
+        });
+    }
+    if !errors.is_empty() {
+        return Err(errors);
+    }
+    let entries = declared_names(&file).into_iter();
+    let entries = entries.map(|(name, entry)| (name, entry.to_owned()));
+    Ok(PointsModule {
+        text: module_text(&file, text, program),
+        entries: entries.collect(),
+    })
+}
+
+/// Returns errors about names that are words of the language or names of the library, and about names that two entries give.
+fn wrong_names(file: &PointsFile) -> Vec<PointsError> {
+    let spans = file.frames.iter().map(|entry| (&entry.name, &entry.span));
+    let spans = spans.chain(file.tools.iter().map(|entry| (&entry.name, &entry.span)));
+    let spans = spans.chain(file.points.iter().map(|entry| (&entry.name, &entry.span)));
+    let spans: BTreeMap<&str, &Range<usize>> =
+        spans.map(|(name, span)| (name.as_str(), span)).collect();
+    let mut errors = Vec::new();
+    let mut error = |entry: &str, message: String| {
+        errors.push(PointsError {
+            span: spans.get(entry).map_or(0..0, |span| (*span).clone()),
+            message,
+            help: Some("give the entry another name".to_owned()),
+        });
     };
-    for frame in &file.frames {
-        put(frame.span.start, frame_text(frame));
-    }
-    for tool in &file.tools {
-        put(tool.span.start, tool_text(tool));
-    }
-    for point in &file.points {
-        put(point.span.start, point_text(point));
-    }
-    if needs_other_frames(&file) {
-        lines[0].insert_str(0, &format!("use {program}; "));
-    }
-    Ok(lines.join("\n") + "\n")
-}
-
-/// Returns whether a frame or point is given in a frame that the file does not declare.
-fn needs_other_frames(file: &PointsFile) -> bool {
-    let parents = file.frames.iter().map(|frame| frame.parent.as_ref());
-    let parents = parents.chain(file.points.iter().map(|point| point.frame.as_ref()));
-    let is_own = |name: &String| file.frames.iter().any(|frame| frame.name == *name);
-    parents.flatten().any(|name| !is_own(name))
-}
-
-fn frame_text(frame: &WorkFrame) -> String {
-    let parent = frame.parent.as_ref();
-    let parent = parent.map_or_else(String::new, |parent| format!(" in {parent}"));
-    format!(
-        "frame {}{parent} = {}; ",
-        frame.name,
-        pose_text(&frame.pose)
-    )
-}
-
-fn tool_text(tool: &Tool) -> String {
-    let name = &tool.name;
-    let mut text = format!("const {name}: Pose = {}; ", pose_text(&tool.pose));
-    if let Some(mass) = tool.mass {
-        let _ = write!(
-            text,
-            "const {name}_mass: real[kg] = {}; ",
-            quantity(mass, "kg")
-        );
-    }
-    if let Some(centre) = tool.centre {
-        let _ = write!(
-            text,
-            "const {name}_centre: Vector<<real[m]>> = vector({}); ",
-            list(&centre, "m")
-        );
-    }
-    if let Some(inertia) = tool.inertia {
-        let inertia = list(&inertia, "kg*m^2");
-        let _ = write!(text, "const {name}_inertia: real[kg*m^2]^6 = [{inertia}]; ");
-    }
-    text
-}
-
-fn point_text(point: &TaughtPoint) -> String {
-    let mut text = String::new();
-    let frame = point.frame.as_deref();
-    let ty = frame.map_or("Pose".to_owned(), |frame| format!("Pose({frame})"));
-    if let Some(pose) = &point.pose {
-        let _ = write!(text, "const {}: {ty} = {}; ", point.name, pose_text(pose));
-    }
-    if let Some(joints) = &point.joints {
-        let count = joints.len();
-        let all = list(joints, "rad");
-        let _ = write!(
-            text,
-            "const {}{JOINTS}: real[rad]^{count} = [{all}]; ",
-            point.name
-        );
-    }
-    text
-}
-
-/// Returns an expression for a pose (m). The orientation is its rotation vector (axis times angle), which is well-conditioned
-/// for all orientations.
-fn pose_text(pose: &TaughtPose) -> String {
-    format!(
-        "Pose{{position = vector({}); rotation = rotation_by(vector({}))}}",
-        list(&pose.position, "m"),
-        list(&pose.rotation, "rad")
-    )
-}
-
-fn list(values: &[f64], unit: &str) -> String {
-    let all: Vec<String> = values.iter().map(|value| quantity(*value, unit)).collect();
-    all.join(", ")
-}
-
-fn quantity(value: f64, unit: &str) -> String {
-    format!("{value:?}[{unit}]")
-}
-
-/// Returns warnings about the entries of the file `points` that no other file of the program names. An entry with several
-/// constants, such as a pose and joint positions, is used if one of them is.
-pub(crate) fn unused_warnings(index: &Index, points: FileId) -> Vec<Diagnostic> {
-    let defs = index.defs_in(points);
-    let named = defs.filter(|(_, def)| matches!(def.kind, DefKind::Const | DefKind::Frame));
-    let is_used = |id| index.references(id).any(|place| place.file != points);
-    let named: Vec<_> = named.map(|(id, def)| (def, is_used(id))).collect();
-    let point_of = |name: &str| {
-        let ending = ENDINGS.iter().find_map(|ending| name.strip_suffix(ending));
-        ending.unwrap_or(name).to_owned()
-    };
-    let used: BTreeSet<String> = named
-        .iter()
-        .filter(|(_, is_used)| *is_used)
-        .map(|(def, _)| point_of(&def.name))
-        .collect();
-    let mut reported = BTreeSet::new();
-    let mut warnings = Vec::new();
-    for (def, _) in named {
-        let name = point_of(&def.name);
-        if !used.contains(&name) && reported.insert(name.clone()) {
-            let message = format!("`{name}` of {FILE} is never used");
-            let warning = Diagnostic::new(Code::RPI1016, message).primary(def.span, "never used");
-            warnings.push(warning.help("delete it, or name it in the program"));
+    let library = modules::implicit_names();
+    let mut known: BTreeMap<String, &str> = BTreeMap::new();
+    for (name, entry) in declared_names(file) {
+        if library.contains(&name) {
+            error(entry, format!("`{name}` is a name of the standard library"));
+        } else if !is_free_name(&name) {
+            error(entry, format!("`{name}` is a word of the language"));
+        } else if let Some(other) = known.insert(name.clone(), entry) {
+            error(entry, format!("`{other}` gives the name `{name}` as well"));
         }
     }
-    warnings
+    errors
+}
+
+/// Returns whether a program can declare a constant with this name.
+fn is_free_name(name: &str) -> bool {
+    let declaration = format!("const {name}: int = 0;");
+    let parsed = parse(FileId(0), &declaration, Dialect::Rpi);
+    let is_constant = |item: &Item| matches!(item.kind, ItemKind::Const(_));
+    parsed.diagnostics.is_empty() && parsed.file.items.iter().all(is_constant)
+}
+
+/// Returns the diagnostics of a file with errors, and a module that declares its names, so that their uses cause no further
+/// errors.
+pub(crate) fn faulty_module(
+    file: FileId,
+    text: &str,
+    errors: &[PointsError],
+) -> (Vec<Diagnostic>, File) {
+    let span = |range: &Range<usize>| {
+        let place = |at: usize| u32::try_from(at).unwrap_or(u32::MAX);
+        Span {
+            file,
+            start: place(range.start),
+            end: place(range.end),
+        }
+    };
+    let diagnostics = errors.iter().map(|error| {
+        let diagnostic = Diagnostic::new(Code::RPI1018, error.message.clone())
+            .primary(span(&error.span), "in the list of points");
+        match &error.help {
+            Some(help) => diagnostic.help(help.clone()),
+            None => diagnostic,
+        }
+    });
+    let whole = span(&(0..text.len()));
+    let names = names_in(text).into_iter().map(|name| DeclaredName {
+        kind: DeclaredKind::Const,
+        name: Ident {
+            name: Name::from(name.as_str()),
+            span: whole,
+        },
+    });
+    let item = Item {
+        doc: None,
+        kind: ItemKind::Error(names.collect()),
+        span: whole,
+    };
+    let module = File {
+        items: vec![item],
+        dialect: Dialect::Rpi,
+    };
+    (diagnostics.collect(), module)
+}
+
+/// Returns the names that the entries of a faulty file may give, as far as it is TOML.
+fn names_in(text: &str) -> BTreeSet<String> {
+    let tables = toml::from_str::<toml::Table>(text).unwrap_or_default();
+    let entries = TABLES
+        .iter()
+        .filter_map(|table| tables.get(*table)?.as_table());
+    let entries = entries.flat_map(|table| table.keys());
+    let endings = ["", "_joints", "_mass", "_centre", "_inertia"];
+    entries
+        .flat_map(|name| endings.map(|ending| format!("{name}{ending}")))
+        .collect()
+}
+
+/// Returns warnings about the entries of a file with points, whose module is `file`, that no other file of the program names.
+/// An entry with several constants, such as a pose and joint positions, is used if one of them is.
+pub(crate) fn unused_warnings(
+    index: &Index,
+    file: FileId,
+    entries: &BTreeMap<String, String>,
+) -> Vec<Diagnostic> {
+    let used = index.referenced_outside(file);
+    let defs = index.defs_in(file);
+    let defs = defs.filter(|(_, def)| matches!(def.kind, DefKind::Const | DefKind::Frame));
+    let mut unused: BTreeMap<&str, Option<Span>> = BTreeMap::new();
+    for (id, def) in defs {
+        let Some(entry) = entries.get(&*def.name) else {
+            continue;
+        };
+        let place = unused.entry(entry).or_insert(Some(def.span));
+        if used.contains(&id) {
+            *place = None;
+        }
+    }
+    let warning = |(entry, place): (&str, Option<Span>)| {
+        let message = format!("`{entry}` of {FILE} is never used");
+        let warning = Diagnostic::new(Code::RPI1019, message).primary(place?, "never used");
+        Some(warning.help("delete it, or name it in the program"))
+    };
+    unused.into_iter().filter_map(warning).collect()
 }

@@ -68,7 +68,13 @@ impl Arm {
     /// Returns the pose of the tool in the base frame for joint positions in rad (m for a linear axis).
     #[must_use]
     pub fn forward(&self, joints: &Joints) -> Pose {
-        self.model.forward(&joints[..self.axes()]) * self.tool
+        self.flange(joints) * self.tool
+    }
+
+    /// Returns the pose of the flange in the base frame for joint positions in rad (m for a linear axis).
+    #[must_use]
+    pub fn flange(&self, joints: &Joints) -> Pose {
+        self.model.forward(&joints[..self.axes()])
     }
 
     /// Returns the position of the tool in the base frame (m) for joint positions in rad (m for a linear axis).

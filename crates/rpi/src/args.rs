@@ -12,6 +12,7 @@ use rpi_serve::{OnLoss, SocketSettings};
 
 use crate::budget_args::BudgetArgs;
 use crate::guard::GuardArgs;
+use crate::latency_args::LatencyArgs;
 use crate::recording_args::RecordingArgs;
 use crate::robot_args::{CellCommand, RobotCommand};
 use crate::socket_arg::parse_socket;
@@ -397,38 +398,6 @@ pub(crate) struct ReplayArgs {
     #[arg(long, default_value_t = 1e-9, value_parser = tolerance)]
     pub(crate) tolerance: f64,
     /// Print the report of the comparison as JSON.
-    #[arg(long)]
-    pub(crate) json: bool,
-}
-
-/// Options of `rpi latency`.
-#[derive(Args, Debug)]
-pub(crate) struct LatencyArgs {
-    /// Period at which the measured thread is woken, such as 1ms.
-    #[arg(long, value_parser = rpi_driver::parse_duration, value_name = "TIME", default_value = "1ms")]
-    pub(crate) period: u64,
-    /// Duration of the measurement, such as 10s.
-    #[arg(long, value_parser = rpi_driver::parse_duration, value_name = "TIME", default_value = "10s")]
-    pub(crate) time: u64,
-    /// SCHED_FIFO priority of the measured thread, 1 to 99.
-    #[arg(long, value_name = "N", default_value_t = SchedulingOptions::default().priority, value_parser = value_parser!(u8).range(1..100))]
-    pub(crate) priority: u8,
-    /// Processor core of the measured thread, counted from 0; default: the last one.
-    #[arg(long, value_name = "N")]
-    pub(crate) core: Option<usize>,
-    /// Number of threads that keep the processor and the memory busy during the measurement.
-    #[arg(long, value_name = "N", default_value_t = 0)]
-    pub(crate) load: usize,
-    /// Run this program in real time for the same duration first, and include its cycle times.
-    #[arg(long, value_name = "FILE")]
-    pub(crate) program: Option<PathBuf>,
-    /// Cell description with the devices of the program; default: `cell.toml` beside the program.
-    #[arg(long, value_name = "FILE", requires = "program")]
-    pub(crate) cell: Option<PathBuf>,
-    /// Command or task of the program, if it has several.
-    #[arg(long, value_name = "NAME", requires = "program")]
-    pub(crate) command: Option<String>,
-    /// Print the measured figures as JSON.
     #[arg(long)]
     pub(crate) json: bool,
 }

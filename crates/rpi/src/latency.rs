@@ -3,13 +3,13 @@
 use std::sync::Arc;
 
 use rpi_core::{Continuity, MotionControls};
-use rpi_driver::ClaimPolicy;
 use rpi_runtime::latency::{CycleTiming, MeasuringOptions, measure, verdict};
 use rpi_runtime::realtime::{RealTime, SchedulingOptions, TimeBase};
 use rpi_runtime::run::{self, Limits, RunOptions};
 
-use crate::args::{LatencyArgs, Target};
+use crate::args::Target;
 use crate::exit::{CommandResult, Exit};
+use crate::latency_args::LatencyArgs;
 use crate::program;
 use crate::target;
 
@@ -42,7 +42,6 @@ fn thread_settings(args: &LatencyArgs) -> SchedulingOptions {
 /// Runs the program that the options name in real time, and returns the statistics of its cycle times.
 fn load(args: &LatencyArgs) -> Result<CycleTiming, Box<dyn std::error::Error>> {
     let path = args.program.clone().unwrap_or_default();
-    let compiled = program::load(&path, ClaimPolicy::Off)?;
     let target = Target {
         cell: args.cell.clone(),
         command: args.command.clone(),
@@ -51,6 +50,7 @@ fn load(args: &LatencyArgs) -> Result<CycleTiming, Box<dyn std::error::Error>> {
         time: Some(args.time),
         settings: Vec::new(),
     };
+    let compiled = program::load(&path, target::compile_options(&target)?)?;
     let bundle = target::task_bundle(&compiled, &target, target::lower_for_run)?;
     let (cell, _) = target::cell(&path, &target, &bundle)?;
     let outcome = run::run(RunOptions {

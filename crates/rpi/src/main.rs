@@ -11,6 +11,7 @@ mod exit;
 mod guard;
 mod interrupt;
 mod latency;
+mod latency_args;
 mod node;
 mod output;
 mod own_program;

@@ -125,8 +125,7 @@ fn compile(args: &RunArgs) -> Result<Compiled, Box<dyn Error>> {
     let options = CompileOptions {
         claims: args.contracts.into(),
         period_ns: args.target.period,
-        arm_axes: target::arm_axes(&args.target)?,
-        ..CompileOptions::default()
+        ..target::compile_options(&args.target)?
     };
     program::load(&args.program, options)
 }

@@ -4,7 +4,7 @@ use std::error::Error;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
-use rpi_driver::{AnalysedNet, ArmAxes, Compiled, Program, Task};
+use rpi_driver::{AnalysedNet, ArmAxes, ClaimPolicy, CompileOptions, Compiled, Program, Task};
 use rpi_image::Image;
 use rpi_serve::TaskBundle;
 use rpi_sim::Cell;
@@ -116,14 +116,18 @@ pub(crate) fn cell_file(program: &Path, target: &Target) -> PathBuf {
     target.cell.clone().unwrap_or_else(beside)
 }
 
-/// Returns where the number of axes of an `Arm` without a static argument comes from: the cell that the option names, else
-/// `cell.toml` beside the program.
-pub(crate) fn arm_axes(target: &Target) -> Result<ArmAxes, Box<dyn Error>> {
-    let Some(path) = &target.cell else {
-        return Ok(ArmAxes::CellFile);
+/// Returns the options for the compilation of a program for its cell: the one that the option names, else `cell.toml` beside the
+/// program. Assertions and contracts are left out.
+pub(crate) fn compile_options(target: &Target) -> Result<CompileOptions, Box<dyn Error>> {
+    let axes = match &target.cell {
+        Some(path) => cell_file::read(path)?.0.arm_axes().into(),
+        None => ArmAxes::CellFile,
     };
-    let (cell, _) = cell_file::read(path)?;
-    Ok(cell.arm_axes().into())
+    Ok(CompileOptions {
+        arm_axes: axes,
+        claims: ClaimPolicy::Off,
+        ..CompileOptions::default()
+    })
 }
 
 /// Reads the cell description, and returns the cell and the text of the description. Without a file, returns a cell

@@ -4,7 +4,6 @@ use std::io::{BufWriter, Write};
 use std::sync::Arc;
 
 use rpi_core::{Continuity, MotionControls};
-use rpi_driver::ClaimPolicy;
 use rpi_driver::InputKind;
 use rpi_record::sample_output::{RowFilter, TraceSink, copy_matching};
 use rpi_runtime::realtime::{RealTime, TimeBase};
@@ -32,7 +31,7 @@ pub(crate) fn trace(args: &TraceArgs) -> CommandResult {
 }
 
 fn record(args: &TraceArgs) -> CommandResult {
-    let compiled = program::load(&args.source, ClaimPolicy::Off)?;
+    let compiled = program::load(&args.source, target::compile_options(&args.target)?)?;
     let bundle = target::task_bundle(&compiled, &args.target, |net, period| {
         Ok((rpi_driver::lower_for_observation(net, period)?, None))
     })?;

@@ -20,8 +20,10 @@ fn no_page_without_a_code() {
     assert_eq!(pages, codes);
 }
 
-/// Codes that no known program can cause; their pages have no wrong program.
+/// Codes that no known program can cause by itself; their pages have no wrong program.
 pub(crate) const NO_PROGRAM: &[Code] = &[
+    Code::RPI1018,
+    Code::RPI1019,
     Code::RPI7003,
     Code::RPI9021,
     Code::RPI9201,

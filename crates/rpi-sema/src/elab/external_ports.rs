@@ -14,7 +14,7 @@ use crate::elab::outside_flows;
 use crate::elab::primitive_family::PrimitiveFamily;
 use crate::elab::sampled_flows;
 use crate::elab::scope::{FlowState, Scope};
-use crate::elab::signal::{Signal, Wire};
+use crate::elab::signal::{Signal, Wire, single_wire};
 use crate::elab::subrange;
 use crate::elab::time;
 use crate::elab::{ElabMode, Elaborator, NotConstantError, Position};
@@ -34,6 +34,12 @@ pub(super) fn unit_inputs<'u>(elab: &mut Elaborator<'u>, scope: &mut Scope<'u>) 
         .filter(|id| unit.flow(**id).role != FlowRole::Param)
     {
         let declared = unit.flow(*flow);
+        if let Ty::Device(_) = declared.ty {
+            // A device is no input: it has the name of the in-port.
+            let name = Value::Str(declared.name.to_string());
+            *scope.state(*flow) = FlowState::Done(single_wire(Signal::Const(name)));
+            continue;
+        }
         block::set_node_name(elab, &declared.name);
         let default = declared
             .default

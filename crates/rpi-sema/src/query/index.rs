@@ -1,5 +1,7 @@
 //! Table of definitions and references, with its queries.
 
+use std::collections::BTreeSet;
+
 use crate::hash::FastMap;
 use crate::program::{Program, Source};
 use crate::query::def::{Def, DefId};
@@ -103,6 +105,13 @@ impl Index {
     pub fn references(&self, def: DefId) -> impl Iterator<Item = Span> + '_ {
         let all = self.references.iter();
         all.filter(move |r| r.def == def).map(|r| r.span)
+    }
+
+    /// Returns the definitions whose names occur in files other than `file`.
+    #[must_use]
+    pub fn referenced_outside(&self, file: FileId) -> BTreeSet<DefId> {
+        let outside = self.references.iter().filter(|r| r.span.file != file);
+        outside.map(|r| r.def).collect()
     }
 
     /// Returns the definition to which a name would refer at a position, given as a byte offset; `None` if it is

@@ -108,6 +108,8 @@ pub struct Unit {
     pub is_lustre: bool,
     /// Names of frames in the ports that are not declared. Each stands for the frame of an argument.
     pub free_frames: Vec<Name>,
+    /// In-ports and parameters whose default is the identity pose.
+    pub identity_defaults: Vec<FlowId>,
     /// For a task, its steps: the commands and tasks that it runs. Empty for other units.
     pub steps: Vec<TaskStep>,
     /// For a task, the numbers of repetitions in it, each with its location. Empty for other units.

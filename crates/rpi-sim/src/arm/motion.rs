@@ -4,6 +4,8 @@
 //! caller passes it back in each of the next cycles. The set-point of the call is that of the end of the period.
 
 mod call;
+mod free_motion;
+mod tool;
 
 use super::axes_motion::{AxesMotion, AxesMotionKind};
 use super::jog::Jog;
@@ -20,6 +22,7 @@ use rpi_motion::PathError;
 use rpi_motion::path::TwistFrame;
 use rpi_motion::stop_margin::stopping_distances;
 use rpi_motion::{Controls, JointState, MotionCore, MotionError, Path, SetPoint};
+use tool::Tools;
 
 /// Kind of the path along which a motion function moves the arm.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -60,8 +63,7 @@ pub(super) struct Motion {
     /// Present motion of the tool with a velocity; `None` if the present motion is of another kind.
     jog: Option<Jog>,
     arm: rpi_motion::Arm,
-    /// Pose of the arm's own tool in the flange frame.
-    own_tool: Pose,
+    tools: Tools,
     /// Number by which a command refers to the present motion, from 1; 0 before the first motion.
     number: i64,
     /// Simulated time at which the last set-point was computed, s.
@@ -109,7 +111,7 @@ impl Motion {
             axes: AxesMotion::new(arm, tick),
             jog: None,
             arm,
-            own_tool: tool,
+            tools: Tools::new(tool),
             number: 0,
             computed: f64::NEG_INFINITY,
             tool_limits,
@@ -234,9 +236,10 @@ impl Motion {
                 rested: 0,
             });
         }
-        let Some(present) = self.change_tool(&request.tool) else {
-            return self.refuse(ErrorCode::NOT_A_NUMBER.into(), jog, followed, state);
-        };
+        let present = self.arm.tool();
+        if let Err(fault) = self.choose_tool(request) {
+            return self.refuse(fault, jog, followed, state);
+        }
         let started = match kind {
             MotionKind::Path(kind) => self.start_path(kind, request, state),
             MotionKind::Axes(kind) => self.start_axes(kind, request, state),
@@ -266,67 +269,6 @@ impl Motion {
             false => self.hold(state),
         }
         Err(fault)
-    }
-
-    /// Makes the frame `tool`, given in the frame of the arm's own tool, the one that moves along the path of the next motion.
-    /// Returns the present one, in the flange frame; `None` if a number is not finite, and nothing changes.
-    fn change_tool(&mut self, tool: &Pose) -> Option<Pose> {
-        let present = self.arm.tool();
-        let is_finite = |pose: &Pose| {
-            let mut numbers = pose
-                .translation
-                .vector
-                .iter()
-                .chain(pose.rotation.coords.iter());
-            numbers.all(|number| number.is_finite())
-        };
-        let next = self.own_tool * tool;
-        is_finite(&next).then(|| {
-            // Without a tool of its own, the motion has the arm's exactly.
-            self.set_tool(if *tool == Pose::identity() {
-                self.own_tool
-            } else {
-                next
-            });
-            present
-        })
-    }
-
-    fn set_tool(&mut self, tool: Pose) {
-        self.arm.set_tool(tool);
-        self.core.set_tool(tool);
-    }
-
-    fn start_axes(
-        &mut self,
-        kind: AxesMotionKind,
-        request: &Request<'_>,
-        state: &JointState,
-    ) -> Result<(), PathFault> {
-        let (target, requested) = (request.target, request.requested);
-        let axes = &mut self.axes;
-        axes.begin(&self.arm, kind, target, requested, state, self.period)?;
-        self.way = axes.way();
-        Ok(())
-    }
-
-    fn start_jog(
-        &mut self,
-        frame: TwistFrame,
-        request: &Request<'_>,
-        state: &JointState,
-        time: f64,
-    ) -> Result<(), PathFault> {
-        if !request.requested.are_positive() {
-            return Err(ErrorCode::NOT_POSITIVE.into());
-        }
-        let jog = Jog::new(frame, request.target, time);
-        match jog.path(&self.arm.forward(&state.position)) {
-            Some(path) => self.follow(path, &state.position, request, state)?,
-            None => self.hold(state),
-        }
-        self.jog = Some(jog);
-        Ok(())
     }
 
     fn start_path(

@@ -31,7 +31,7 @@ pub(super) const DESCRIPTIONS: &[(&str, &str)] = &[
     ),
     (
         "joints",
-        "Initial positions of the axes, one number for each. Default: 0, or the end of the range nearest to it",
+        "Initial positions of the axes, one number for each; or `home`: those of the robot description. Default: 0, or the end of the range nearest to it",
     ),
     ("base", "Pose of the base in the cell. Default: the origin"),
     (
@@ -199,6 +199,10 @@ pub(super) const DESCRIPTIONS: &[(&str, &str)] = &[
     ("robot.name", "Name to which cells refer"),
     ("title", "Name of the robot for people. Default: `name`"),
     ("source", "Source of the numbers"),
+    (
+        "home",
+        "Joint positions within the ranges, one number for each axis, at which arms of a cell start by `joints = \"home\"`",
+    ),
     (
         "held_axis",
         "Axis, counted from 0, that keeps its value in the inverse of an arm with seven axes and no closed form. Default: the last",

@@ -182,6 +182,10 @@ fn read_point(name: &str, span: Range<usize>, mut reader: TableReader<'_>) -> Ta
         .any(|key| reader.has(key));
     let pose = TaughtPose::new(&read_pose(&mut reader));
     let joints = reader.reals_of_any_length("joints", Angle);
+    if joints.as_ref().is_some_and(Vec::is_empty) {
+        let help = "write one position for each axis".to_owned();
+        reader.error_at("joints", "`joints` has no entries".to_owned(), Some(help));
+    }
     if !has_pose && !reader.has("joints") && reader.recorder.is_none() {
         let message = format!("the point `{name}` has no place");
         let help = "write `position = [x, y, z]` and `rpy = [..]` or `quaternion = [..]`, or `joints = [..]`";

@@ -163,6 +163,7 @@ name = "schema-sample-1"
 title = "Arm of the workshop"
 source = "drawing"
 held_axis = 0
+home = ["10 deg", 0.5]
 
 [dh]
 convention = "modified"

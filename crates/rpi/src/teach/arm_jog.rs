@@ -213,7 +213,7 @@ impl ArmJog {
             if let Some(goal) = &self.goal {
                 let now = goal.present()?;
                 let is = |name: &str, value: &str| now.values.get(name).is_some_and(|v| v == value);
-                if is("key", &self.key.to_string()) && is("rests", "true") {
+                if is("jog_key", &self.key.to_string()) && is("jog_rests", "true") {
                     return Ok(());
                 }
             }
@@ -241,11 +241,11 @@ impl ArmJog {
 /// Returns the place that the command exports; `None` before its first cycle.
 fn place_of(now: &Feedback) -> Option<Place> {
     let text = |name: &str| now.values.get(name).map(String::as_str);
-    let joint = |axis: usize| text(&format!("joints[{axis}]"))?.parse().ok();
+    let joint = |axis: usize| text(&format!("jog_joints[{axis}]"))?.parse().ok();
     let joints: Vec<f64> = (0..).map_while(joint).collect();
     let pose = TaughtPose {
-        position: vector(text("position")?)?,
-        rotation: vector(text("rotation")?)?,
+        position: vector(text("jog_position")?)?,
+        rotation: vector(text("jog_rotation")?)?,
     };
     (!joints.is_empty()).then_some(Place { joints, pose })
 }

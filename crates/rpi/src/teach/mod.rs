@@ -15,12 +15,11 @@ mod terminal;
 use std::error::Error;
 use std::net::{Ipv4Addr, SocketAddr};
 use std::path::{Path, PathBuf};
-use std::sync::atomic::Ordering;
+use std::sync::atomic::{AtomicBool, Ordering};
 
 use clap::Args;
 use rpi_client::Client;
 use rpi_serve::{CompilerSettings, Server, Settings};
-use rpi_sim::Cell;
 
 use crate::cell_file;
 use crate::exit::{CommandResult, Exit};
@@ -70,7 +69,7 @@ pub(crate) fn teach(args: &TeachArgs) -> CommandResult {
     let interrupt = Interrupt::listen()?;
     let connection = connect(args)?;
     let mut jog = ArmJog::new(&connection.client, &connection.arm, args.hold)?;
-    let terminal = Terminal::open()?;
+    let terminal = Terminal::open(interrupt.flag())?;
     rpi_diag::print_stderr!("{HELP}");
     let done = handle_keys(&terminal, &mut jog, &mut points, &interrupt);
     drop(terminal);
@@ -101,10 +100,11 @@ fn handle_keys(
         match key {
             Some(Key::Quit) => return Ok(()),
             Some(Key::Move(motion)) => jog.press(&motion)?,
-            Some(Key::Take) => take(jog, points, None)?,
+            Some(Key::Take) => take(jog, points, None, &interrupted)?,
             Some(Key::TakeNamed) => {
-                let name = terminal.line("name of the point: ")?;
-                take(jog, points, Some(name.trim()))?;
+                if let Some(name) = terminal.line("name of the point: ")? {
+                    take(jog, points, Some(name.trim()), &interrupted)?;
+                }
             }
             Some(Key::Remove) => match points.remove_last()? {
                 Some(name) => rpi_diag::println_stderr!("removed {name}"),
@@ -114,26 +114,27 @@ fn handle_keys(
             None => {}
         }
         // Keys from a file or a pipe follow one another at once: each motion ends before the next key counts.
-        if !terminal.is_interactive()
-            && matches!(
-                key,
-                Some(Key::Move(Motion::Tool { .. } | Motion::Axis { .. }))
-            )
-        {
+        let moves = matches!(
+            key,
+            Some(Key::Move(Motion::Tool { .. } | Motion::Axis { .. }))
+        );
+        if moves && !terminal.is_interactive() {
             jog.wait_for_rest(&interrupted)?;
         }
     }
     Ok(())
 }
 
-/// Takes the present place of the arm as a point, once the arm rests.
+/// Takes the place of the arm as a point, once the arm rests.
 fn take(
     jog: &mut ArmJog,
     points: &mut PointList,
     name: Option<&str>,
+    interrupted: &AtomicBool,
 ) -> Result<(), Box<dyn Error>> {
+    jog.wait_for_rest(interrupted)?;
     let place = jog.place()?;
-    match points.add(name, &place) {
+    match points.add(name, &place)? {
         Ok(name) => rpi_diag::println_stderr!("took {name}: {place}"),
         // A wrong name ends nothing: the arm is where it was.
         Err(why) => rpi_diag::println_stderr!("not taken: {why}"),
@@ -147,11 +148,16 @@ fn connect(args: &TeachArgs) -> Result<Connection, Box<dyn Error>> {
     };
     let token = args.token_file.as_deref().map(first_line).transpose()?;
     let client = Client::connect(address, token.as_deref())?;
-    let name = args.arm.clone().unwrap_or_else(|| "arm".to_owned());
+    let devices = client.devices()?;
+    let arms: Vec<(&str, usize)> = devices
+        .iter()
+        .filter_map(|device| Some((device.name.as_str(), device.joint_count?)))
+        .collect();
+    let arm = choose_arm(&arms, args.arm.as_deref()).map_err(|why| format!("{address}: {why}"))?;
     Ok(Connection {
         client,
         server: None,
-        arm: (name, "Arm".to_owned()),
+        arm,
     })
 }
 
@@ -166,8 +172,9 @@ fn simulate(args: &TeachArgs) -> Result<Connection, Box<dyn Error>> {
     let beside = || args.points.with_file_name("cell.toml");
     let path = args.cell.clone().unwrap_or_else(beside);
     let (cell, _) = cell_file::read(&path)?;
-    let arm = choose_arm(&cell, args.arm.as_deref())
-        .map_err(|why| format!("{}: {why}", path.display()))?;
+    let arms: Vec<(&str, usize)> = cell.arms().collect();
+    let arm = choose_arm(&arms, args.arm.as_deref());
+    let arm = arm.map_err(|why| format!("{}: {why}", path.display()))?;
     let settings = Settings {
         listen: SocketAddr::from((Ipv4Addr::LOCALHOST, 0)),
         compiler: CompilerSettings::InProcess,
@@ -181,16 +188,13 @@ fn simulate(args: &TeachArgs) -> Result<Connection, Box<dyn Error>> {
     })
 }
 
-/// Returns name and device type of the arm called `wanted`, or of the only arm of the cell.
-fn choose_arm(cell: &Cell, wanted: Option<&str>) -> Result<(String, String), String> {
-    let arms: Vec<(&str, usize)> = cell.arms().collect();
+/// Returns name and device type of the arm called `wanted`, or of the only one of `arms`: names with numbers of axes.
+fn choose_arm(arms: &[(&str, usize)], wanted: Option<&str>) -> Result<(String, String), String> {
     let names = || {
-        arms.iter()
-            .map(|(name, _)| *name)
-            .collect::<Vec<_>>()
-            .join(", ")
+        let names: Vec<&str> = arms.iter().map(|(name, _)| *name).collect();
+        names.join(", ")
     };
-    let chosen = match (wanted, arms.as_slice()) {
+    let chosen = match (wanted, arms) {
         (Some(wanted), all) => all.iter().find(|(name, _)| *name == wanted),
         (None, [only]) => Some(only),
         (None, _) => None,

@@ -7,16 +7,13 @@ use std::path::{Path, PathBuf};
 use super::arm_jog::Place;
 use rpi_sim::{PointsFile, TaughtPose};
 
-/// File with points, to which points are added.
+/// File with points, to which points are added. It is read again for each change, because others may edit it meanwhile.
 pub(super) struct PointList {
     path: PathBuf,
     /// Frame in which new points are given, with its pose in the base of the arm; `None` for the base.
     frame: Option<(String, TaughtPose)>,
-    text: String,
-    /// Names of the points in the file.
-    names: Vec<String>,
-    /// Names of the points that were added, and the length of the text before each.
-    added: Vec<(String, usize)>,
+    /// Names and texts of the points that were added.
+    added: Vec<(String, String)>,
 }
 
 impl PointList {
@@ -25,31 +22,37 @@ impl PointList {
     /// # Errors
     /// Returns an error if the file is invalid, or has no such frame in the base of the arm.
     pub(super) fn open(path: &Path, frame: Option<&str>) -> Result<PointList, Box<dyn Error>> {
-        let name = path.display().to_string();
-        let text = match std::fs::read_to_string(path) {
-            Ok(text) => text,
-            Err(error) if error.kind() == std::io::ErrorKind::NotFound => String::new(),
-            Err(error) => return Err(format!("{name}: {error}").into()),
+        let mut list = PointList {
+            path: path.to_owned(),
+            frame: None,
+            added: Vec::new(),
         };
-        let file = PointsFile::parse(&name, &text);
-        let file = file.map_err(|errors| format!("the points are invalid\n{errors}"))?;
-        let frame = frame.map(|wanted| {
+        let text = list.read()?;
+        let file = list.parse(&text)?;
+        if let Some(wanted) = frame {
             let found = file.frames.iter().find(|frame| frame.name == wanted);
             let found = found.filter(|frame| frame.parent.is_none());
             let why = || {
+                let file = path.display();
                 format!(
-                    "{name}: no frame `{wanted}` in the base of the arm; write [frames.{wanted}]"
+                    "{file}: no frame `{wanted}` in the base of the arm; write [frames.{wanted}]"
                 )
             };
-            Ok::<_, String>((wanted.to_owned(), found.ok_or_else(why)?.pose))
-        });
-        Ok(PointList {
-            path: path.to_owned(),
-            frame: frame.transpose()?,
-            text,
-            names: file.points.into_iter().map(|point| point.name).collect(),
-            added: Vec::new(),
-        })
+            list.frame = Some((wanted.to_owned(), found.ok_or_else(why)?.pose));
+        }
+        Ok(list)
+    }
+
+    fn read(&self) -> Result<String, String> {
+        match std::fs::read_to_string(&self.path) {
+            Err(error) if error.kind() == std::io::ErrorKind::NotFound => Ok(String::new()),
+            text => text.map_err(|error| format!("{}: {error}", self.path.display())),
+        }
+    }
+
+    fn parse(&self, text: &str) -> Result<PointsFile, String> {
+        let file = PointsFile::parse(&self.path.display().to_string(), text);
+        file.map_err(|errors| format!("the points are invalid\n{errors}"))
     }
 
     /// Returns the number of points that were added and not removed.
@@ -58,41 +61,35 @@ impl PointList {
     }
 
     /// Adds a point at this place, and writes the file. Without a name, the point gets the first free one of `p1`, `p2`, ...
-    /// Returns the name.
+    /// Returns the name, or the reason why nothing is added: a name that is invalid or in use.
     ///
     /// # Errors
-    /// Returns an error if the name is invalid or in use, or the file cannot be written; then, nothing is added.
+    /// Returns an error if the file cannot be read or written, or has become invalid.
     pub(super) fn add(
         &mut self,
         name: Option<&str>,
         place: &Place,
-    ) -> Result<String, Box<dyn Error>> {
-        let free = || {
-            (1..)
-                .map(|k| format!("p{k}"))
-                .find(|name| !self.names.contains(name))
-        };
-        let name = name.map(str::to_owned).or_else(free).unwrap_or_default();
-        let before = self.text.len();
-        let text = format!("{}{}", self.text, self.entry(&name, place));
+    ) -> Result<Result<String, String>, Box<dyn Error>> {
+        let before = self.read()?;
+        let file = self.parse(&before)?;
+        let name = name.map_or_else(|| free_name(&file), str::to_owned);
+        let separator = if before.is_empty() { "" } else { "\n" };
+        let entry = format!("{separator}{}", self.entry(&name, place));
+        let text = format!("{before}{entry}");
         // The whole file must stay valid: this finds names that are invalid or in use.
-        let valid = PointsFile::parse(&self.path.display().to_string(), &text);
-        if let Some(first) = valid
-            .err()
-            .and_then(|errors| errors.errors.into_iter().next())
+        if let Some(error) = rpi_driver::check_points(&self.path, &text)
+            .into_iter()
+            .next()
         {
-            return Err(first.message.into());
+            return Ok(Err(error.message));
         }
         self.write(&text)?;
-        self.text = text;
-        self.names.push(name.clone());
-        self.added.push((name.clone(), before));
-        Ok(name)
+        self.added.push((name.clone(), entry));
+        Ok(Ok(name))
     }
 
     fn entry(&self, name: &str, place: &Place) -> String {
-        let separator = if self.text.is_empty() { "" } else { "\n" };
-        let mut entry = format!("{separator}[points.{name}]\n");
+        let mut entry = format!("[points.{name}]\n");
         let pose = match &self.frame {
             Some((frame, pose)) => {
                 let _ = writeln!(entry, "in = \"{frame}\"");
@@ -109,15 +106,19 @@ impl PointList {
     /// Removes the point that was added last, and returns its name; `None` if there is none.
     ///
     /// # Errors
-    /// Returns an error if the file cannot be written.
+    /// Returns an error if the file cannot be read or written, or the entry has been changed meanwhile.
     pub(super) fn remove_last(&mut self) -> Result<Option<String>, Box<dyn Error>> {
-        let Some((name, before)) = self.added.last().cloned() else {
+        let Some((name, entry)) = self.added.pop() else {
             return Ok(None);
         };
-        self.write(&self.text[..before])?;
-        self.text.truncate(before);
-        self.added.pop();
-        self.names.retain(|other| *other != name);
+        let text = self.read()?;
+        let Some(at) = text.rfind(&entry) else {
+            let file = self.path.display();
+            return Err(
+                format!("{file}: the entry of `{name}` has been changed; remove it there").into(),
+            );
+        };
+        self.write(&format!("{}{}", &text[..at], &text[at + entry.len()..]))?;
         Ok(Some(name))
     }
 
@@ -128,4 +129,14 @@ impl PointList {
         let written = std::fs::write(&new, text).and_then(|()| std::fs::rename(&new, &self.path));
         written.map_err(|why| format!("{}: {why}", self.path.display()).into())
     }
+}
+
+/// Returns the first of the names `p1`, `p2`, ... that no entry of the file has.
+fn free_name(file: &PointsFile) -> String {
+    let frames = file.frames.iter().map(|frame| &frame.name);
+    let tools = file.tools.iter().map(|tool| &tool.name);
+    let points = file.points.iter().map(|point| &point.name);
+    let names: std::collections::BTreeSet<&String> = frames.chain(tools).chain(points).collect();
+    let mut free = (1..).map(|k| format!("p{k}"));
+    free.find(|name| !names.contains(name)).unwrap_or_default()
 }

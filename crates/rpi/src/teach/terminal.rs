@@ -1,6 +1,8 @@
 //! Keys of the terminal, one by one and without echo; or those of a file or pipe.
 
 use std::io::{self, IsTerminal as _, Read as _};
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
 
 use rustix::termios::{
     LocalModes, OptionalActions, SpecialCodeIndex, Termios, tcgetattr, tcsetattr,
@@ -10,6 +12,8 @@ use rustix::termios::{
 pub(super) struct Terminal {
     /// Settings of the terminal at the start; `None` if the input is a file or a pipe.
     before: Option<Termios>,
+    /// Flag that a signal sets to end the program.
+    interrupted: Arc<AtomicBool>,
 }
 
 /// Result of waiting for a key.
@@ -27,12 +31,15 @@ impl Terminal {
     ///
     /// # Errors
     /// Returns the error of the system.
-    pub(super) fn open() -> io::Result<Terminal> {
+    pub(super) fn open(interrupted: Arc<AtomicBool>) -> io::Result<Terminal> {
         let before = match io::stdin().is_terminal() {
             true => Some(tcgetattr(io::stdin())?),
             false => None,
         };
-        let terminal = Terminal { before };
+        let terminal = Terminal {
+            before,
+            interrupted,
+        };
         terminal.set_single_keys()?;
         Ok(terminal)
     }
@@ -57,17 +64,29 @@ impl Terminal {
         }
     }
 
-    /// Prints `prompt` and reads a line, which the terminal echoes.
+    /// Prints `prompt` and reads a line, which is shown while it is typed. Returns `None` if a signal ends the program.
     ///
     /// # Errors
     /// Returns the error of the system.
-    pub(super) fn line(&self, prompt: &str) -> io::Result<String> {
+    pub(super) fn line(&self, prompt: &str) -> io::Result<Option<String>> {
         rpi_diag::print_stderr!("{prompt}");
-        self.restore();
-        let mut line = String::new();
-        io::stdin().read_line(&mut line)?;
-        self.set_single_keys()?;
-        Ok(line)
+        let mut line = Vec::new();
+        while !self.interrupted.load(Ordering::Relaxed) {
+            match self.read()? {
+                Input::Nothing => continue,
+                Input::End | Input::Key(b'\n' | b'\r') => {
+                    rpi_diag::print_stderr!("\n");
+                    return Ok(Some(String::from_utf8_lossy(&line).into_owned()));
+                }
+                // Backspace, as terminals send it.
+                Input::Key(8 | 127) => drop(line.pop()),
+                Input::Key(byte) => line.push(byte),
+            }
+            if self.is_interactive() {
+                rpi_diag::print_stderr!("\r\x1b[K{prompt}{}", String::from_utf8_lossy(&line));
+            }
+        }
+        Ok(None)
     }
 
     fn set_single_keys(&self) -> io::Result<()> {

@@ -2,6 +2,7 @@
 #![allow(dead_code, reason = "each test target uses a part")]
 
 pub(crate) mod recordings;
+pub(crate) mod tools;
 
 use std::process::{Command, Output};
 

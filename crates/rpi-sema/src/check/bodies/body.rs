@@ -338,6 +338,7 @@ impl Unit {
             has_state: false,
             is_lustre: false,
             free_frames: Vec::new(),
+            identity_defaults: Vec::new(),
             steps: Vec::new(),
             repeat_counts: Vec::new(),
         }

@@ -3,6 +3,7 @@
 use crate::check::bodies::body::Body;
 use crate::check::bodies::locals;
 use crate::check::calls::arg_tuples;
+use crate::check::calls::frame_binding;
 use crate::check::diagnostics::argument_order;
 use crate::check::diagnostics::report;
 use crate::check::diagnostics::report::ExpectationReason;
@@ -21,7 +22,6 @@ use crate::ty::check_assignable;
 use crate::typed::TypedKind;
 use crate::typed::{ExprId, FlowRole, UnitKind};
 use rpi_diag::{Code, Diagnostic, Fix, Quote, Span};
-use rpi_image::Scalar;
 use rpi_syntax::Name;
 use rpi_syntax::ast::{Arg, Expr, ExprKind, Ident};
 use rpi_syntax::ops::BinaryOp;
@@ -345,8 +345,8 @@ pub(crate) fn check_arg_types(
     exact_time::convert_time_args(cx, header, args);
     for (port, arg) in header.inputs.iter().zip(&*args) {
         match arg {
-            Some(arg) => bind_device_frames(cx, port, *arg, subst),
-            None => bind_omitted_frame(port, subst),
+            Some(arg) => frame_binding::bind_device_frames(cx, port, *arg, subst),
+            None => frame_binding::bind_omitted_frame(header, port, subst),
         }
     }
     for (port, arg) in header.inputs.iter().zip(&*args) {
@@ -366,34 +366,6 @@ pub(crate) fn check_arg_types(
         }
     }
     sound
-}
-
-/// Binds, in `subst`, the free frame `a` of an in-port `Pose(a in b)` that uses its default to the frame `b`: without an argument,
-/// the port is the pose of `b` itself.
-fn bind_omitted_frame(port: &Port, subst: &mut Substitution) {
-    let (Ty::Spatial(Scalar::Pose, own), Ty::Spatial(_, known)) =
-        (&port.ty, port.ty.substituted(subst))
-    else {
-        return;
-    };
-    let free = own.of.as_ref().and_then(|of| subst.frames.get_mut(of));
-    if let Some(free @ None) = free {
-        free.clone_from(&known.in_frame);
-    }
-}
-
-/// Replaces, in `subst`, each frame of the device that is passed for the port by the corresponding frame of the caller:
-/// `port.tcp` becomes `arm.tcp` for the device `arm`. Ports that take no device are ignored.
-fn bind_device_frames(cx: &mut Body<'_, '_>, port: &Port, arg: ExprId, subst: &mut Substitution) {
-    let (Ty::Device(device), TypedKind::Flow(flow)) = (&port.ty, &cx.unit.expr(arg).kind) else {
-        return;
-    };
-    let outer = cx.unit.flow(*flow).name.clone();
-    for local in &device.frames {
-        let inner = format!("{}.{local}", port.name);
-        let outer = format!("{outer}.{local}");
-        subst.frames.insert(inner.into(), Some(outer.into()));
-    }
 }
 
 /// Whether the value of an expression is the same in all cycles, because it depends on constants and parameters only.

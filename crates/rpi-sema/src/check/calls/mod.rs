@@ -7,6 +7,7 @@ pub(crate) mod call;
 pub(crate) mod callable;
 pub(crate) mod callee;
 pub(crate) mod condact;
+pub(crate) mod frame_binding;
 pub(crate) mod intrinsics;
 pub(crate) mod iterate;
 pub(crate) mod predefined_ops;

@@ -4,6 +4,7 @@ use crate::check::Checker;
 use crate::check::bodies::body::Body;
 use crate::check::bodies::locals;
 use crate::check::bodies::statement;
+use crate::check::calls::frame_binding;
 use crate::check::diagnostics::report;
 use crate::check::exprs::expr;
 use crate::check::limits::nesting;
@@ -74,6 +75,8 @@ pub(crate) struct Port {
     pub(crate) ty: Ty,
     pub(crate) role: FlowRole,
     pub(crate) has_default: bool,
+    /// Whether the port has the identity pose as its default.
+    pub(crate) is_identity_by_default: bool,
     /// Whether the port is a static parameter, declared in `<<...>>`.
     pub(crate) is_static: bool,
     /// Whether the port is the condition of the clock of another port.
@@ -182,6 +185,7 @@ fn node_param_port(name: &Ident, ty: Ty, role: FlowRole, has_default: bool) -> P
         ty,
         role,
         has_default,
+        is_identity_by_default: false,
         is_static: false,
         is_clock: false,
         clock: None,
@@ -198,6 +202,7 @@ fn port_of_flow(unit: &Unit, id: FlowId) -> Port {
         ty: flow.ty.clone(),
         role: flow.role,
         has_default: flow.default.is_some(),
+        is_identity_by_default: unit.identity_defaults.contains(&id),
         is_static: false,
         is_clock: false,
         clock: flow
@@ -392,6 +397,9 @@ fn check_port_default<'a>(cx: &mut Body<'_, 'a>, flow: FlowId, default: &'a rpi_
         &crate::check::diagnostics::report::ExpectationReason::Because(span, text),
     );
     cx.unit.flows[flow.0 as usize].default = Some(value);
+    if frame_binding::is_identity_pose(cx, &ty, value) {
+        cx.unit.identity_defaults.push(flow);
+    }
 }
 
 fn declare_outputs<'a>(cx: &mut Body<'_, 'a>, decls: &'a [VarDecl]) {

@@ -7,7 +7,7 @@ use crate::check::bodies::body::Body;
 use crate::check::bodies::locals;
 use crate::check::diagnostics::report::undefined_name;
 use crate::check::exprs::expr;
-use crate::check::signatures::unit;
+use crate::check::signatures::units_on_demand;
 use crate::ty::Ty;
 use crate::typed::TypedKind;
 use crate::typed::{BlockId, Equation, ExprId, FlowPresence, FlowRole, Target, TargetPlace};
@@ -118,7 +118,7 @@ fn check_import<'a>(cx: &mut Body<'_, 'a>, import: &'a ContractImport) -> ExprId
     });
     if let TypedKind::Call(call) = &cx.unit.expr(value).kind {
         let unit = call.unit;
-        unit::check_unit_now(cx.checker, unit);
+        units_on_demand::check_unit_now(cx.checker, unit);
         let callee = &cx.checker.units[unit.0 as usize];
         cx.unit.exprs[value.0 as usize].ty = callee.result_type().widened();
         if callee.has_state {

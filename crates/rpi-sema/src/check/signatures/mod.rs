@@ -12,3 +12,4 @@ pub(crate) mod size_inference;
 pub(crate) mod static_args;
 pub(crate) mod static_params;
 pub(crate) mod unit;
+pub(crate) mod units_on_demand;

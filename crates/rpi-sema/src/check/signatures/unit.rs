@@ -17,6 +17,7 @@ use crate::check::signatures::imported;
 use crate::check::signatures::instance::instance_key;
 use crate::check::signatures::static_args::StaticBindings;
 use crate::check::signatures::static_params;
+use crate::check::signatures::units_on_demand;
 use crate::check::task;
 use crate::check::types::consts;
 use crate::elab::MAX_DEPTH;
@@ -39,15 +40,17 @@ pub(crate) struct UnitEntry {
     called: Span,
     /// Nesting: number of instances with static arguments of which each was created by the check of the previous one.
     depth: u32,
-    state: Progress,
+    pub(super) state: Progress,
 }
 
 /// Progress of the check of a unit.
 #[derive(Clone, Copy, PartialEq, Debug)]
-enum Progress {
+pub(super) enum Progress {
     Queued,
     Started,
     Done,
+    /// The unit and all units that it calls, directly or indirectly, have been checked.
+    Complete,
 }
 
 /// Returns the unit of a callable, and creates it at the first call; `None` if a limit is exceeded.
@@ -175,25 +178,6 @@ pub(crate) fn check_queued(checker: &mut Checker<'_>) {
     }
 }
 
-/// Checks a unit and all units that it calls immediately, because a constant needs them.
-pub(crate) fn check_unit_now(checker: &mut Checker<'_>, id: UnitId) {
-    let is_queued =
-        |c: &Checker, id: UnitId| c.instances.entries[id.0 as usize].state == Progress::Queued;
-    if !is_queued(checker, id)
-        || !nesting::may_nest(checker, "call", checker.units[id.0 as usize].span)
-    {
-        return;
-    }
-    // An explicit stack, so that a long chain of calls costs no call stack.
-    let mut open = vec![id];
-    while let Some(id) = open.pop() {
-        if is_queued(checker, id) {
-            nesting::check_nested(checker, |c| check_unit(c, id));
-            open.extend(calls_of(checker, id));
-        }
-    }
-}
-
 /// Whether a callable reads none of the given ports. A static parameter that is never read needs no argument.
 pub(crate) fn reads_no_ports(
     checker: &mut Checker<'_>,
@@ -204,23 +188,15 @@ pub(crate) fn reads_no_ports(
     let Some(id) = instantiate(checker, header, span) else {
         return false;
     };
-    check_unit_now(checker, id);
-    if checker.instances.entries[id.0 as usize].state != Progress::Done {
+    units_on_demand::check_unit_now(checker, id);
+    let state = checker.instances.entries[id.0 as usize].state;
+    if !matches!(state, Progress::Done | Progress::Complete) {
         return false;
     }
     let unit = &checker.units[id.0 as usize];
     let flows: Vec<_> = ports.iter().map(|(place, _)| unit.inputs[*place]).collect();
     let mut exprs = unit.exprs.iter();
     !exprs.any(|expr| matches!(expr.kind, TypedKind::Flow(flow) if flows.contains(&flow)))
-}
-
-fn calls_of(checker: &Checker<'_>, id: UnitId) -> Vec<UnitId> {
-    let exprs = &checker.units[id.0 as usize].exprs;
-    let calls = exprs.iter().filter_map(|expr| match &expr.kind {
-        TypedKind::Call(call) => Some(call.unit),
-        _ => None,
-    });
-    calls.collect()
 }
 
 /// Returns whether a declaration belongs to the standard library.
@@ -230,7 +206,7 @@ fn is_in_library(checker: &Checker<'_>, id: DeclId) -> bool {
     modules.contains(&module.name.as_str())
 }
 
-fn check_unit(checker: &mut Checker<'_>, id: UnitId) {
+pub(super) fn check_unit(checker: &mut Checker<'_>, id: UnitId) {
     let entry = &mut checker.instances.entries[id.0 as usize];
     if entry.state != Progress::Queued {
         return;

@@ -5,7 +5,7 @@ use crate::check::diagnostics::report;
 use crate::check::diagnostics::report::join_names;
 use crate::check::exprs::names::end_statements;
 use crate::check::exprs::names::plain_name;
-use crate::check::signatures::unit;
+use crate::check::signatures::units_on_demand;
 use crate::check::task::Labels;
 use crate::check::task::handover;
 use crate::program::{DeclKind, Lookup};
@@ -55,7 +55,7 @@ fn moved_params(cx: &mut Body<'_, '_>, run: &Run) -> Vec<Name> {
     let Some(unit) = handover::command_of(cx, run) else {
         return Vec::new();
     };
-    unit::check_unit_now(cx.checker, unit);
+    units_on_demand::check_unit_now(cx.checker, unit);
     let unit = &cx.checker.units[unit.0 as usize];
     let equations = unit.blocks.iter().flat_map(|block| &block.equations);
     let targets = equations.flat_map(|equation| &equation.targets);

@@ -8,6 +8,7 @@ use crate::check::diagnostics::report::ExpectationReason;
 use crate::check::exprs::expr;
 use crate::check::limits::nesting;
 use crate::check::signatures::unit;
+use crate::check::signatures::units_on_demand;
 use crate::check::types;
 use crate::check::types::subrange;
 use crate::check::types::type_decls;
@@ -221,7 +222,7 @@ pub(crate) fn try_fold(cx: &mut Body<'_, '_>, id: ExprId) -> Result<Rc<[Leaf]>, 
     }
     // Elaboration inlines calls, so that the called units must be checked first.
     for unit in called_units(&cx.unit, id) {
-        unit::check_unit_now(cx.checker, unit);
+        units_on_demand::check_unit_now(cx.checker, unit);
     }
     elab::evaluate_constant(&cx.checker.units, &cx.unit, id)
 }

@@ -134,7 +134,7 @@ impl Arm {
         let (way, error) = (motion.way, motion.error);
         out.put_bits(number.cast_unsigned());
         out.put_reals(at.joints.into_iter().take(self.axes()));
-        out.put_pose(&self.motion.arm.forward(&at.joints));
+        out.put_pose(&self.motion.pose_of_tool(&at.joints));
         out.put_reals([progress * way, progress, speed]);
         out.put_bits(u64::from(at.on_path && error == ErrorCode::OK));
         out.put_bits(u64::from(done && error == ErrorCode::OK));
