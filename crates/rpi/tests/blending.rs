@@ -5,7 +5,7 @@ use std::path::Path;
 use std::process::Command;
 
 /// Bounds on joint velocity and acceleration in the example, rad/s and rad/s².
-const SPEED: f64 = 1.0;
+const SPEED: f64 = 3.15;
 const ACCELERATION: f64 = 4.0;
 /// Period of the example in s.
 const DT: f64 = 1e-3;

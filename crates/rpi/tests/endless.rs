@@ -5,7 +5,7 @@ use std::process::{Command, Stdio};
 use std::time::Duration;
 
 /// Digest of a minute of the arm: the same in every build, on every machine.
-const MINUTE: &str = "ba0bf91533003074";
+const MINUTE: &str = "44b64b7b943b7185";
 
 /// Writes the example with its nine rounds made endless.
 fn endless(folder: &Path) -> std::path::PathBuf {

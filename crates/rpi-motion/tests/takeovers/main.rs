@@ -161,14 +161,8 @@ fn chain(
             true => 60_000,
             false => wait(&mut random),
         };
-        let arrived = run(
-            &mut core,
-            &arm,
-            (&path, requested),
-            &mut watch,
-            cycles,
-            counts,
-        );
+        let goal = (&path, requested);
+        let arrived = run(&mut core, &arm, goal, &mut watch, cycles, counts);
         state = no_alloc(|| core.state());
         if number + 1 == length && !arrived {
             counts.not_arrived += 1;

@@ -19,7 +19,7 @@ use crate::elab::subrange;
 use crate::elab::time;
 use crate::elab::{ElabMode, Elaborator, NotConstantError, Position};
 use crate::ty::Ty;
-use crate::typed::{BlockId, ExprId, FlowId, FlowPresence, FlowRole};
+use crate::typed::{BlockId, ExprId, Flow, FlowId, FlowPresence, FlowRole, Unit};
 use rpi_image::{Scalar, Value};
 use rpi_net::{CommandInput, ExportPort, Origin};
 
@@ -28,16 +28,14 @@ use rpi_net::{CommandInput, ExportPort, Origin};
 pub(super) fn unit_inputs<'u>(elab: &mut Elaborator<'u>, scope: &mut Scope<'u>) -> Vec<PortShape> {
     let unit = scope.unit;
     let mut shapes = Vec::new();
-    for flow in unit
-        .inputs
-        .iter()
-        .filter(|id| unit.flow(**id).role != FlowRole::Param)
-    {
+    let ports = unit.inputs.iter();
+    let ports = ports.filter(|id| unit.flow(**id).role != FlowRole::Param);
+    for flow in ports {
         let declared = unit.flow(*flow);
         if let Ty::Device(_) = declared.ty {
             // A device is no input: it has the name of the in-port.
-            let name = Value::Str(declared.name.to_string());
-            *scope.state(*flow) = FlowState::Done(single_wire(Signal::Const(name)));
+            let name = Signal::Const(Value::Str(declared.name.to_string()));
+            *scope.state(*flow) = FlowState::Done(single_wire(name));
             continue;
         }
         block::set_node_name(elab, &declared.name);
@@ -56,14 +54,7 @@ pub(super) fn unit_inputs<'u>(elab: &mut Elaborator<'u>, scope: &mut Scope<'u>) 
             let default = default.map(|signal| {
                 time::convert_to_seconds(elab, &signal, &ty, Position::ROOT, declared.span)
             });
-            let value = match (ty == Ty::Duration, declared.default) {
-                (true, Some(id)) => crate::elab::evaluate_constant(elab.units, unit, id)
-                    .ok()
-                    .and_then(|leaves| leaves.get(k).cloned()),
-                _ => default
-                    .as_ref()
-                    .and_then(|signal| elementwise::constant_value(elab, signal)),
-            };
+            let value = default_leaf(elab, unit, declared, (k, &ty), default.as_ref());
             let given =
                 external_input_at(elab, (&key, value), scalar, Position::ROOT, declared.span);
             let given = match optional {
@@ -90,6 +81,24 @@ pub(super) fn unit_inputs<'u>(elab: &mut Elaborator<'u>, scope: &mut Scope<'u>) 
         subrange::check_external_input(elab, scope, *flow);
     }
     shapes
+}
+
+/// Returns the value of a leaf of the default of an in-port, if it is constant: the leaf with the index `leaf.0` and the type
+/// `leaf.1`, whose signal is `default`.
+fn default_leaf(
+    elab: &mut Elaborator<'_>,
+    unit: &Unit,
+    port: &Flow,
+    (k, ty): (usize, &Ty),
+    default: Option<&Signal>,
+) -> Option<Value> {
+    match (*ty == Ty::Duration, port.default) {
+        (true, Some(id)) => {
+            let leaves = crate::elab::evaluate_constant(elab.units, unit, id).ok();
+            leaves.and_then(|leaves| leaves.get(k).cloned())
+        }
+        _ => default.and_then(|signal| elementwise::constant_value(elab, signal)),
+    }
 }
 
 /// Returns the signal of an optional input: until the input is set, its default or an absent value. `given` is the
