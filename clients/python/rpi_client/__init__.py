@@ -9,11 +9,12 @@
         ending = await goal.result()
 """
 
-from ._core import Core, Identity, RpiError, connect
+from ._core import Core, DeviceInfo, Identity, RpiError, connect
 from ._goal import Ending, Feedback, Goal, Overruns, Session, Step, Task, TaskEnd
 
 __all__ = [
     "Core",
+    "DeviceInfo",
     "Ending",
     "Feedback",
     "Goal",

@@ -45,6 +45,15 @@ class Identity:
     rights: tuple[str, ...]
 
 
+@dataclass(frozen=True)
+class DeviceInfo:
+    """A device of the server's cell: its ``name`` in programs, its ``kind``, such as ``arm``, and for an arm the number of its axes."""
+
+    name: str
+    kind: str
+    joint_count: int | None
+
+
 class Core:
     """A control core."""
 
@@ -81,6 +90,13 @@ class Core:
         """Returns the name, the role and the rights of this client, by its token or its Unix socket."""
         described = await self.call("client.describe")
         return Identity(described["name"], described["role"], tuple(described["rights"]))
+
+    async def devices(self) -> list[DeviceInfo]:
+        """Returns the devices of the server's cell."""
+        listed = await self.call("device.list")
+        counts = (device["interfaces"].get("robotarm", {}).get("jointcount") for device in listed["devices"])
+        devices = zip(listed["devices"], counts, strict=True)
+        return [DeviceInfo(d["name"], d["type"], None if count is None else int(count)) for d, count in devices]
 
     async def emergency_stop(self, by: str = "a client") -> None:
         """Stops everything at once, whoever it belongs to; nothing can be started until :meth:`reset_emergency`."""

@@ -85,8 +85,8 @@ fn the_tip_of_a_chosen_tool_moves_on_the_line() {
         "{text}"
     );
     let rows = std::fs::read_to_string(folder.path().join("out.csv")).expect("recorded");
-    let at = vectors(&rows, ").at,");
-    let planned = vectors(&rows, ").planned,");
+    let at = vectors(&rows, ").at\"");
+    let planned = vectors(&rows, ").planned\"");
     assert!(at.len() > 500 && planned.len() > 500);
     for tip in at.iter().chain(&planned) {
         let off = (tip[0] - at[0][0]).hypot(tip[2] - at[0][2]);

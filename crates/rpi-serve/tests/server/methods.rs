@@ -17,7 +17,6 @@ const CLIENTS: [ClientSources; 2] = [
 const NOT_WRAPPED: &[(&str, &str)] = &[
     ("commands", MONITORING),
     ("tasks", MONITORING),
-    ("device.list", MONITORING),
     ("watch.rule", MONITORING),
     ("watch.session", MONITORING),
     ("watch.devices", MONITORING),

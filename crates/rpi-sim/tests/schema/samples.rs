@@ -117,6 +117,9 @@ tool = { rpy = [0, 0, 0] }
 limits = { velocity = LIST, acceleration = LIST, jerk = LIST, lower = LOW, upper = LIST }
 "#;
 
+/// Key of an arm at the home position of its description.
+const HOME_ARM: &str = "joints = 'home'\n";
+
 /// Heads of arms, linear units and positioners, each with the number of axes.
 const HEADS: &[(&str, usize)] = &[
     ("kind = 'arm'\nmodel = 'kuka-iiwa-7'", 7),
@@ -134,7 +137,7 @@ const HEADS: &[(&str, usize)] = &[
         6,
     ),
     (
-        "kind = 'ur-arm'\nmodel = 'ur5e'\naddress = 'ur.local'\nrtde_port = 30004\nscript_port = 30002\nlookahead = '30 ms'",
+        "kind = 'ur-arm'\nmodel = 'ur5e.toml'\naddress = 'ur.local'\nrtde_port = 30004\nscript_port = 30002\nlookahead = '30 ms'",
         6,
     ),
     ("kind = 'linear-unit'", 1),
@@ -146,7 +149,7 @@ pub(crate) fn cell() -> String {
     let mut text = OTHERS.to_owned();
     for (number, (head, axes)) in HEADS.iter().enumerate() {
         let list = |value: &str| format!("[{}]", vec![value; *axes].join(", "));
-        for (name, keys) in [("one", ARM), ("other", OTHER_ARM)] {
+        for (name, keys) in [("one", ARM), ("other", OTHER_ARM), ("home", HOME_ARM)] {
             let keys = keys
                 .replace("LOW", &list("-0.1"))
                 .replace("LIST", &list("0.1"));
