@@ -74,7 +74,7 @@ fn programs_name_points_and_frames() {
     );
     let rows = std::fs::read_to_string(folder.path().join("out.csv")).expect("recorded");
     // 50 mm and 20 mm in the axes of the table, turned by 30 degrees; then in those of the shelf.
-    let [c, s] = [30_f64.to_radians().cos(), 30_f64.to_radians().sin()];
+    let [c, s] = [0.75_f64.sqrt(), 0.5];
     for (x, y) in [
         (0.4 + 0.05 * c - 0.02 * s, 0.05 * s + 0.02 * c),
         (0.45, 0.12),

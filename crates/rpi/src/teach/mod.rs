@@ -80,7 +80,7 @@ pub(crate) fn teach(args: &TeachArgs) -> CommandResult {
     }
     done.and(stopped)?;
     let count = rpi_diag::with_noun(points.taken(), "point");
-    rpi_cli::print(&format!("{}: {count} taken\n", args.points.display()))?;
+    rpi_cli::print(format!("{}: {count} taken\n", args.points.display()))?;
     Ok(interrupt.exit().unwrap_or(Exit::Success))
 }
 

@@ -3,13 +3,13 @@
 use crate::check::Checker;
 use crate::check::limits::nesting;
 use crate::check::signatures::unit::{Progress, check_unit};
-use crate::hash::FastSet;
 use crate::typed::{TypedKind, UnitId};
+use std::collections::BTreeSet;
 
 /// Checks a unit and all units that it calls, directly or indirectly. A unit that has been checked may call others that still
 /// wait for their check.
 pub(crate) fn check_unit_now(checker: &mut Checker<'_>, id: UnitId) {
-    let mut seen = FastSet::default();
+    let mut seen = BTreeSet::new();
     // An explicit stack, so that a long chain of calls costs no call stack.
     let mut open = vec![id];
     while let Some(id) = open.pop() {
