@@ -6,6 +6,9 @@
 use super::AXES;
 use super::error::RtdeError;
 
+/// Bits of the counters in registers, which wrap at 2^30: a sum of two still fits a register.
+pub(super) const COUNTER_MASK: i32 = (1 << 30) - 1;
+
 /// Joint positions, rad, or velocities, rad/s.
 pub(super) type Joints = [f64; AXES];
 

@@ -1,7 +1,7 @@
 //! What a sample of the controller means for the driver: faults, and the state of the driver's program.
 
 use super::program;
-use super::recipe::Sample;
+use super::recipe::{COUNTER_MASK, Sample};
 use crate::error_code::ErrorCode;
 
 /// Mode of a robot whose brakes are released, `robot_mode`.
@@ -19,6 +19,10 @@ const PLAYING: u32 = 2;
 const REST: f64 = 0.02;
 /// Number of successive samples with the same heartbeat after which the program counts as not running.
 const MISSED_BEATS: u32 = 25;
+/// Number of times that the heartbeat must advance before the program counts as running.
+const PROOF_BEATS: u32 = 3;
+/// Greatest advance of the heartbeat between two samples: the cycles of the longest gap that a connection survives.
+const MAX_ADVANCE: i32 = 1024;
 
 /// State of the driver's program in the controller.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -40,7 +44,10 @@ pub(super) enum ProgramState {
 /// Interpretation of successive samples of one connection.
 pub(super) struct Status {
     token: i32,
-    heartbeat: i32,
+    /// Heartbeat of the last sample; `None` before the first one, which proves nothing.
+    heartbeat: Option<i32>,
+    /// Number of advances of the heartbeat without a longer pause.
+    beats: u32,
     missed_beats: u32,
 }
 
@@ -49,30 +56,41 @@ impl Status {
     pub(super) fn new(token: i32) -> Self {
         Self {
             token,
-            heartbeat: 0,
-            missed_beats: MISSED_BEATS,
+            heartbeat: None,
+            beats: 0,
+            missed_beats: 0,
         }
+    }
+
+    /// True if the heartbeat of the driver's program has advanced under this connection, and still does.
+    ///
+    /// Registers keep their values when a program ends, so no value of theirs shows that the program runs. While the
+    /// program brakes, it has no heartbeat; it must prove itself again afterwards.
+    fn is_alive(&mut self, heartbeat: i32) -> bool {
+        let last = self.heartbeat.replace(heartbeat).unwrap_or(heartbeat);
+        match heartbeat.wrapping_sub(last) & COUNTER_MASK {
+            1..=MAX_ADVANCE => {
+                self.beats = self.beats.saturating_add(1);
+                self.missed_beats = 0;
+            }
+            0 if self.missed_beats < MISSED_BEATS => self.missed_beats += 1,
+            _ => self.beats = 0,
+        }
+        self.beats >= PROOF_BEATS
     }
 
     /// Returns the state of the program at the next sample.
     pub(super) fn program(&mut self, sample: &Sample) -> ProgramState {
-        self.missed_beats = match sample.heartbeat == self.heartbeat {
-            true => self.missed_beats.saturating_add(1),
-            false => 0,
-        };
-        self.heartbeat = sample.heartbeat;
-        // Registers keep their values when a program ends; only the heartbeat shows that it runs. While the program
-        // brakes, it has no heartbeat.
-        let beats = self.missed_beats < MISSED_BEATS || sample.phase == 3;
+        let is_alive = self.is_alive(sample.heartbeat);
         match sample.runtime_state {
             STOPPED => ProgramState::Absent,
-            PLAYING if sample.token == self.token => match sample.phase {
-                2 if beats => ProgramState::Following(sample.epoch),
+            PLAYING if is_alive && sample.token == self.token => match sample.phase {
+                2 => ProgramState::Following(sample.epoch),
                 3 => ProgramState::Braking,
-                1 | 4 | 5 if beats => ProgramState::Waiting,
+                1 | 4 | 5 => ProgramState::Waiting,
                 _ => ProgramState::Foreign,
             },
-            PLAYING if beats && program::is_token(sample.token) => ProgramState::Orphaned,
+            PLAYING if is_alive && program::is_token(sample.token) => ProgramState::Orphaned,
             _ => ProgramState::Foreign,
         }
     }
@@ -160,10 +178,14 @@ mod tests {
     fn registers_of_an_ended_program_are_not_trusted() {
         let mut status = Status::new(program::token(9));
         let mut now = sample(1, 7);
-        for heartbeat in 1..100 {
-            now.heartbeat = heartbeat;
-            assert_eq!(status.program(&now), ProgramState::Following(4));
-        }
+        let states: Vec<ProgramState> = (COUNTER_MASK - 20..COUNTER_MASK + 80)
+            .map(|heartbeat| {
+                now.heartbeat = heartbeat & COUNTER_MASK;
+                status.program(&now)
+            })
+            .collect();
+        assert_eq!(states[..3], [ProgramState::Foreign; 3]);
+        assert_eq!(states[3..], [ProgramState::Following(4); 97]);
         let later: Vec<ProgramState> = (0..40).map(|_| status.program(&now)).collect();
         assert_eq!(later.first(), Some(&ProgramState::Following(4)));
         assert_eq!(later.last(), Some(&ProgramState::Foreign));
@@ -171,12 +193,36 @@ mod tests {
         assert_eq!(status.program(&now), ProgramState::Absent);
     }
 
+    /// The registers still have the values of a program of this driver, but another program runs.
+    #[test]
+    fn values_that_do_not_change_prove_no_program() {
+        for token in [program::token(1), program::token(9)] {
+            for phase in 0..7 {
+                let mut status = Status::new(program::token(9));
+                let mut now = sample(1, 7);
+                (now.token, now.phase, now.heartbeat) = (token, phase, 812);
+                let states: Vec<ProgramState> = (0..100).map(|_| status.program(&now)).collect();
+                assert_eq!(states, [ProgramState::Foreign; 100]);
+                // A single change may be the last act of the program.
+                now.heartbeat = 813;
+                assert_eq!(status.program(&now), ProgramState::Foreign);
+                now.heartbeat = -5;
+                assert_eq!(status.program(&now), ProgramState::Foreign);
+            }
+        }
+    }
+
     #[test]
     fn a_program_of_another_process_is_recognised() {
         let mut status = Status::new(program::token(1));
         let mut now = sample(1, 7);
-        assert_eq!(status.program(&now), ProgramState::Orphaned);
-        now.token = 0;
-        assert_eq!(status.program(&now), ProgramState::Foreign);
+        let mut state = |token, heartbeat| {
+            (now.token, now.heartbeat) = (token, heartbeat);
+            status.program(&now)
+        };
+        let states = [1, 2, 4, 5].map(|heartbeat| state(program::token(9), heartbeat));
+        assert_eq!(states[..3], [ProgramState::Foreign; 3]);
+        assert_eq!(states[3], ProgramState::Orphaned);
+        assert_eq!(state(0, 6), ProgramState::Foreign);
     }
 }
