@@ -101,7 +101,7 @@ impl Link {
         // Differs from that of an earlier process, whose program may still run.
         let seed = since_epoch.map_or(0, |time| time.subsec_micros()) ^ std::process::id();
         let token = program::token(seed);
-        let text = program::text(spec, limits, session.cycle, token);
+        let text = program::text(spec, limits, token);
         let exchange = Exchange::new(
             spec.clone(),
             (token, text),

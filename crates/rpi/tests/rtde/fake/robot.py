@@ -31,6 +31,8 @@ class Robot:
         self.robot_mode, self.safety_mode, self.runtime_state = RUNNING, NORMAL, STOPPED
         self.inputs = {"int": [0] * 48, "double": [0.0] * 48}
         self.outputs = {"int": [0] * 48, "double": [0.0] * 48}
+        # Share of the full speed that the operator has set.
+        self.scaling = 1.0
         self.program = None
         # Set-point, lookahead time and gain of `servoj` in this cycle; None without one.
         self.servo = None
@@ -106,7 +108,7 @@ class Robot:
         if not (0.03 <= lookahead_time <= 0.2 and 100 <= gain <= 2000):
             raise ScriptError("servoj: lookahead_time or gain out of range")
         self.servo = (list(q), lookahead_time)
-        for _ in range(max(1, round(t / self.cycle))):
+        for _ in range(max(1, round(t / self.cycle / self.scaling))):
             yield
 
     def stopj(self, a):
@@ -115,7 +117,9 @@ class Robot:
             yield
 
     def sync(self):
-        self.servo = None
+        # In a thread, it does not end the motion.
+        if not self.program.is_in_thread:
+            self.servo = None
         yield
 
     def sleep(self, t):

@@ -1,8 +1,8 @@
 """Translator of a subset of URScript to Python generators.
 
 URScript looks like Python, with `end` in place of indentation. Each function of a program becomes a generator: a builtin
-that takes time (`servoj`, `stopj`, `sync`, `sleep`) yields once per cycle of the controller. Statements: `def`, `while`,
-`if`, `elif`, `else`, `end`, `return`, `break`, `continue`, `local`, `global`, assignments, calls. Lists are copied when
+that takes time (`servoj`, `stopj`, `sync`, `sleep`) yields once per cycle of the controller. Statements: `def`, `thread`,
+`name = run thread()`, `while`, `if`, `elif`, `else`, `end`, `return`, `break`, `continue`, `local`, `global`, assignments, calls. Lists are copied when
 they are assigned, as in URScript. Anything else is an error of the program.
 """
 
@@ -44,7 +44,7 @@ def without_comment(line):
 
 
 def function_names(lines):
-    found = (re.match(rf"def ({NAME})\(", line) for _, line in lines)
+    found = (re.match(rf"(?:def|thread) ({NAME})\(", line) for _, line in lines)
     return {match.group(1) for match in found if match}
 
 
@@ -117,6 +117,9 @@ class Translator:
         if not match:
             return None
         scope, name, value = match.groups()
+        thread = re.match(rf"run ({NAME})\(\)$", value)
+        if thread and thread.group(1) in self.functions:
+            return f"{name} = run({thread.group(1)})"
         value = self.expression(number, value)
         if scope == "local":
             self.scopes[-1].add(name)
@@ -127,7 +130,7 @@ class Translator:
     def statement(self, number, line):
         """Translates one line."""
         depth = len(self.blocks)
-        head = re.match(rf"def ({NAME})\(([^)]*)\):$", line)
+        head = re.match(rf"(?:def|thread) ({NAME})\(([^)]*)\):$", line)
         if head:
             parameters = [word.strip() for word in head.group(2).split(",") if word.strip()]
             self.scopes.append(set(parameters))
@@ -201,10 +204,17 @@ class Program:
     def __init__(self, text, builtins):
         self.name, source = translate(text)
         self.steps = 0
-        scope = dict(builtins, step=self.step, copied=lambda value: list(value) if isinstance(value, list) else value)
+        self.threads = []
+        self.is_in_thread = False
+        copied = lambda value: list(value) if isinstance(value, list) else value
+        scope = dict(builtins, step=self.step, run=self.run, copied=copied)
         scope["__builtins__"] = {}
         exec(compile(source, self.name, "exec"), scope)
         self.generator = scope[self.name]()
+
+    def run(self, function):
+        self.threads.append(function())
+        return len(self.threads)
 
     def step(self):
         self.steps += 1
@@ -214,6 +224,10 @@ class Program:
     def resume(self):
         """Runs the program for one cycle. Returns false after its end."""
         self.steps = 0
+        self.is_in_thread = True
+        for thread in self.threads:
+            next(thread)
+        self.is_in_thread = False
         try:
             next(self.generator)
         except StopIteration:
