@@ -4,8 +4,9 @@ use super::AXES;
 use super::UrSpec;
 use super::error::RtdeError;
 use super::link::{ControllerState, SetPoint, Shared};
+use super::pace::Pace;
 use super::player::Player;
-use super::recipe::{Command, Joints, Sample};
+use super::recipe::{COUNTER_MASK, Command, Joints, Sample};
 use super::session::{Session, connect};
 use super::status::{self, ProgramState, Status};
 use crate::error_code::ErrorCode;
@@ -29,6 +30,10 @@ const PROGRAM_TIME: Duration = Duration::from_secs(2);
 const TARGET_TOLERANCE: f64 = 0.005;
 /// Number of times that the last set-point is repeated at the end, so that the program recognises rest.
 const REPETITIONS: u32 = 5;
+
+/// Maximum time that one command plays, in s. The number of the command tells the program how many cycles it stands for, and
+/// the program bridges them at constant velocity meanwhile. After a longer gap, the player catches up by its speed.
+const MAX_PLAYED: f64 = 0.1;
 
 /// Progress towards a program that follows set-points.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -65,10 +70,7 @@ pub(super) struct Exchange {
     upload_error: Option<String>,
     /// Earliest time of the next attempt to send the program or to begin an epoch, and the pause after that.
     attempt: (Instant, Duration),
-    /// Clock of the controller at the last sample, in s.
-    clock: f64,
-    /// Time by which set-points were played ahead of the controller's clock, because a sample was late, in s.
-    ahead: f64,
+    pace: Pace,
 }
 
 impl Exchange {
@@ -95,8 +97,7 @@ impl Exchange {
             upload: None,
             upload_error: None,
             attempt: (Instant::now(), BACK_OFF[0]),
-            clock: 0.0,
-            ahead: 0.0,
+            pace: Pace::new(0.002, Instant::now()),
         }
     }
 
@@ -133,31 +134,35 @@ impl Exchange {
     fn exchange(&mut self, mut session: Session) -> Result<(), RtdeError> {
         let mut status = Status::new(self.program.0);
         let timeout = Duration::from_secs_f64(self.spec.timeout);
-        let (mut last, mut repetitions) = (Instant::now(), 0);
-        (self.stage, self.ahead) = (Stage::Idle, 0.0);
+        let mut repetitions = 0;
+        self.stage = Stage::Idle;
+        self.pace = Pace::new(session.cycle, Instant::now());
         loop {
-            let duration = match session.receive()? {
+            let sample = session.receive(self.pace.deadline())?;
+            let now = Instant::now();
+            let silence = self.pace.silence(now);
+            let due = match &sample {
                 Some(sample) => {
-                    last = Instant::now();
-                    self.take_sample(&sample, &mut status)
+                    self.take_sample(sample, &mut status);
+                    self.pace.take_sample(sample.clock, now)
                 }
-                None if last.elapsed() > SILENCE.max(2 * timeout) => {
+                None if silence > SILENCE.max(2 * timeout) => {
                     return Err(RtdeError::NoAnswer("its state"));
                 }
-                // The cycle reports the loss by now. Without set-points, the controller brakes.
-                None if last.elapsed() > timeout => continue,
-                None => {
-                    self.ahead += session.cycle;
-                    session.cycle
-                }
+                None => self.pace.take_time(now),
             };
+            // After the time limit, the cycle reports the loss. Without set-points, the controller brakes.
+            if due == 0 || sample.is_none() && silence > timeout {
+                continue;
+            }
+            let cycles = due.min((MAX_PLAYED / session.cycle) as u32);
             self.take_set_points();
             let is_closed = self.shared.is_closed();
-            let command = self.next_command(duration).or_else(|| {
+            let command = self.next_command(cycles, session.cycle).or_else(|| {
                 let last = self.player.newest().filter(|_| is_closed)?;
                 repetitions += 1;
                 let repeats = self.player.is_at_rest() && repetitions <= REPETITIONS;
-                repeats.then(|| self.command(last))
+                repeats.then(|| self.command(last, cycles))
             });
             match command {
                 Some(command) => session.send(&command)?,
@@ -170,12 +175,8 @@ impl Exchange {
         }
     }
 
-    /// Passes a sample to the cycle, and proceeds towards a program that follows. Returns the duration to play, in s.
-    fn take_sample(&mut self, sample: &Sample, status: &mut Status) -> f64 {
-        // After a gap, or a restart of the controller, the set-points are not played in one step.
-        let passed = (sample.clock - self.clock).clamp(0.0, 0.1);
-        let duration = (passed - self.ahead).max(0.0);
-        (self.clock, self.ahead) = (sample.clock, 0.0);
+    /// Passes a sample to the cycle, and proceeds towards a program that follows.
+    fn take_sample(&mut self, sample: &Sample, status: &mut Status) {
         let program = status.program(sample);
         let failure = status::failure(sample);
         self.proceed(sample, program, failure);
@@ -199,7 +200,6 @@ impl Exchange {
             start: self.start,
         });
         self.shared.set_connected(true);
-        duration
     }
 
     fn proceed(&mut self, sample: &Sample, program: ProgramState, failure: ErrorCode) {
@@ -247,7 +247,7 @@ impl Exchange {
                 } else {
                     sample.positions
                 };
-                self.epoch = (self.epoch.max(sample.epoch) + 1) & i32::MAX;
+                self.epoch = (self.epoch.max(sample.epoch & COUNTER_MASK) + 1) & COUNTER_MASK;
                 self.epoch = self.epoch.max(1);
                 self.stage = Stage::Joining(self.epoch, now + PROGRAM_TIME);
             }
@@ -293,17 +293,20 @@ impl Exchange {
         }
     }
 
-    /// Returns the next command, `duration` s after the last one; `None` if a set-point is missing.
-    fn next_command(&mut self, duration: f64) -> Option<Command> {
+    /// Returns the command for the end of the next `cycles` cycles of the controller, each of `cycle` s; `None` if a
+    /// set-point is missing.
+    fn next_command(&mut self, cycles: u32, cycle: f64) -> Option<Command> {
         let positions = match self.stage {
-            Stage::Following(_) if !self.player.is_empty() => self.player.advance(duration)?,
+            Stage::Following(_) if !self.player.is_empty() => {
+                self.player.advance(f64::from(cycles) * cycle)?
+            }
             _ => self.start,
         };
-        Some(self.command(positions))
+        Some(self.command(positions, cycles))
     }
 
-    fn command(&mut self, positions: Joints) -> Command {
-        self.number = self.number.wrapping_add(1);
+    fn command(&mut self, positions: Joints, cycles: u32) -> Command {
+        self.number = (self.number + cycles as i32) & COUNTER_MASK;
         Command {
             epoch: match self.stage {
                 Stage::Idle => 0,

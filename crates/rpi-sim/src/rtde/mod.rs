@@ -15,6 +15,8 @@ mod exchange;
 #[cfg(feature = "rtde")]
 mod link;
 #[cfg(feature = "rtde")]
+mod pace;
+#[cfg(feature = "rtde")]
 mod package;
 #[cfg(feature = "rtde")]
 mod player;

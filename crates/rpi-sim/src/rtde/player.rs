@@ -8,6 +8,8 @@ use std::collections::VecDeque;
 const CAPACITY: usize = 1024;
 /// Maximum change of the playing speed, as a share: clocks differ by far less, so that it is not visible.
 const MAX_CORRECTION: f64 = 0.05;
+/// Maximum change of the correction, in 1/s: at 3 rad/s it adds less than 1 rad/s² to the acceleration.
+const CORRECTION_RATE: f64 = 0.25;
 /// Maximum step of an axis between two set-points at rest, in rad.
 const REST_STEP: f64 = 1e-6;
 
@@ -18,6 +20,8 @@ pub(super) struct Player {
     clock: Option<f64>,
     /// The last set-point that was removed because it has been played.
     played: Option<(f64, Joints)>,
+    /// Present correction of the playing speed, as a share.
+    correction: f64,
     /// Time by which set-points are played late, in s, so that late ones do no harm.
     delay: f64,
 }
@@ -29,6 +33,7 @@ impl Player {
             points: VecDeque::with_capacity(CAPACITY),
             clock: None,
             played: None,
+            correction: 0.0,
             delay,
         }
     }
@@ -36,7 +41,7 @@ impl Player {
     /// Removes all set-points, at the start of an epoch.
     pub(super) fn clear(&mut self) {
         self.points.clear();
-        (self.clock, self.played) = (None, None);
+        (self.clock, self.played, self.correction) = (None, None, 0.0);
     }
 
     /// Adds the set-point of the cell's time `time`, in s. Times ascend.
@@ -83,8 +88,10 @@ impl Player {
             Some(clock) => {
                 // The level of the buffer controls the speed, because the clocks differ.
                 let excess = (newest - clock - self.delay) / self.delay;
-                let correction = (0.02 * excess).clamp(-MAX_CORRECTION, MAX_CORRECTION);
-                (clock + duration * (1.0 + correction)).min(newest)
+                let wanted = (0.02 * excess).clamp(-MAX_CORRECTION, MAX_CORRECTION);
+                let change = CORRECTION_RATE * duration;
+                self.correction += (wanted - self.correction).clamp(-change, change);
+                (clock + duration * (1.0 + self.correction)).min(newest)
             }
         };
         self.clock = Some(now);

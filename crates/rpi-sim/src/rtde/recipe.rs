@@ -24,6 +24,8 @@ pub(super) const OUTPUTS: &[Variable] = &[
     ("robot_mode", "INT32"),
     ("safety_mode", "INT32"),
     ("runtime_state", "UINT32"),
+    ("speed_scaling", "DOUBLE"),
+    ("target_speed_fraction", "DOUBLE"),
     ("output_int_register_24", "INT32"),
     ("output_int_register_25", "INT32"),
     ("output_int_register_26", "INT32"),
@@ -59,6 +61,10 @@ pub(super) struct Sample {
     pub(super) safety_mode: i32,
     /// State of the program: 1 stopped, 2 playing, 4 paused.
     pub(super) runtime_state: u32,
+    /// Share of the full speed to which the limits of the trajectory scale a running program.
+    pub(super) speed_scaling: f64,
+    /// Share of the full speed that the operator has set by the speed slider.
+    pub(super) speed_fraction: f64,
     /// Phase of the driver's program, as `follow.script` lists them.
     pub(super) phase: i32,
     /// Epoch that the driver's program follows, or has followed last.
@@ -74,7 +80,7 @@ pub(super) struct Sample {
 pub(super) struct Command {
     /// Number of the sequence of set-points; 0 if the program must not follow.
     pub(super) epoch: i32,
-    /// Number that changes with every set-point.
+    /// Number of the set-point. Its increase is the number of cycles since the one before.
     pub(super) number: i32,
     /// Joint positions, in rad.
     pub(super) positions: Joints,
@@ -166,6 +172,8 @@ impl Sample {
             robot_mode: fields.integer()?,
             safety_mode: fields.integer()?,
             runtime_state: fields.take().map(u32::from_be_bytes)?,
+            speed_scaling: fields.double()?,
+            speed_fraction: fields.double()?,
             phase: fields.integer()?,
             epoch: fields.integer()?,
             heartbeat: fields.integer()?,
@@ -201,6 +209,8 @@ mod tests {
         bytes.extend(sample.robot_mode.to_be_bytes());
         bytes.extend(sample.safety_mode.to_be_bytes());
         bytes.extend(sample.runtime_state.to_be_bytes());
+        bytes.extend(sample.speed_scaling.to_be_bytes());
+        bytes.extend(sample.speed_fraction.to_be_bytes());
         for register in [sample.phase, sample.epoch, sample.heartbeat, sample.token] {
             bytes.extend(register.to_be_bytes());
         }
@@ -216,6 +226,8 @@ mod tests {
             robot_mode: -1,
             safety_mode: 3,
             runtime_state: 2,
+            speed_scaling: 1.0,
+            speed_fraction: 0.5,
             phase: 1,
             epoch: 5,
             heartbeat: 100,

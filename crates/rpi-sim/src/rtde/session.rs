@@ -4,6 +4,8 @@ use super::UrSpec;
 use super::error::RtdeError;
 use super::package::{PackageBuffer, encode, kind};
 use super::recipe::{Command, INPUTS, OUTPUTS, Sample, check_answer, names};
+use rustix::event::{PollFd, PollFlags, Timespec, poll};
+use rustix::io::Errno;
 use std::io::{self, Read, Write};
 use std::net::{TcpStream, ToSocketAddrs};
 use std::time::{Duration, Instant};
@@ -57,7 +59,6 @@ impl Session {
     /// Returns the error of the connection, or the request that the controller rejects.
     pub(super) fn open(spec: &UrSpec) -> Result<Self, RtdeError> {
         let stream = connect(&spec.host, spec.rtde_port)?;
-        stream.set_read_timeout(Some(ANSWER_TIME))?;
         let mut session = Self {
             stream,
             buffer: PackageBuffer::new(),
@@ -66,9 +67,6 @@ impl Session {
             cycle: 0.002,
         };
         session.set_up()?;
-        // A late state must not stop the set-points: after two cycles the thread continues by its own clock.
-        let pause = Duration::from_secs_f64(2.0 * session.cycle);
-        session.stream.set_read_timeout(Some(pause))?;
         Ok(session)
     }
 
@@ -109,40 +107,49 @@ impl Session {
         what: &'static str,
     ) -> Result<Vec<u8>, RtdeError> {
         self.stream.write_all(&encode(kind, payload))?;
-        let begin = Instant::now();
-        while begin.elapsed() < ANSWER_TIME {
+        let deadline = Instant::now() + ANSWER_TIME;
+        while Instant::now() < deadline {
             while let Some(package) = self.buffer.next()? {
                 if package.kind == kind {
                     return Ok(package.payload.to_vec());
                 }
             }
-            if !self.fill()? {
+            if !self.fill(deadline)? {
                 break;
             }
         }
         Err(RtdeError::NoAnswer(what))
     }
 
-    /// Reads bytes from the connection. Returns false if none come within the time limit of the socket.
-    fn fill(&mut self) -> Result<bool, RtdeError> {
-        match self.stream.read(self.buffer.space()) {
-            Ok(0) => Err(RtdeError::Closed),
-            Ok(count) => {
-                self.buffer.add(count);
-                Ok(true)
+    /// Reads bytes from the connection. Returns false if none come before `deadline`.
+    ///
+    /// Waits with the resolution of the clock: the read timeout of a socket is rounded up to 1/HZ s, which is 10 ms on some
+    /// systems.
+    fn fill(&mut self, deadline: Instant) -> Result<bool, RtdeError> {
+        loop {
+            let left = deadline.saturating_duration_since(Instant::now());
+            let timeout = Timespec::try_from(left).ok();
+            let mut ready = [PollFd::new(&self.stream, PollFlags::IN)];
+            match poll(&mut ready, timeout.as_ref()) {
+                Ok(0) => return Ok(false),
+                Ok(_) => {}
+                Err(Errno::INTR) => continue,
+                Err(error) => return Err(io::Error::from(error).into()),
             }
-            Err(error) if is_timeout(&error) => Ok(false),
-            Err(error) => Err(error.into()),
+            match self.stream.read(self.buffer.space()) {
+                Ok(0) => return Err(RtdeError::Closed),
+                Ok(count) => {
+                    self.buffer.add(count);
+                    return Ok(true);
+                }
+                Err(error) if error.kind() == io::ErrorKind::Interrupted => {}
+                Err(error) => return Err(error.into()),
+            }
         }
     }
 
-    /// Waits for the next sample, at most for two cycles of the controller, and returns it; `None` if none came. If several
-    /// have come, returns the newest.
-    ///
-    /// # Errors
-    /// Returns the error of the connection, and an error for a data package that does not fit the recipe.
-    pub(super) fn receive(&mut self) -> Result<Option<Sample>, RtdeError> {
-        self.fill()?;
+    /// Returns the newest sample that has come; `None` if none has.
+    fn newest(&mut self) -> Result<Option<Sample>, RtdeError> {
         let mut newest = None;
         while let Some(package) = self.buffer.next()? {
             if package.kind == kind::DATA {
@@ -153,6 +160,22 @@ impl Session {
         Ok(newest)
     }
 
+    /// Waits for the next sample until `deadline`, and returns it; `None` if none came. Messages and parts of packages do
+    /// not end the wait. If several samples have come, returns the newest.
+    ///
+    /// # Errors
+    /// Returns the error of the connection, and an error for a data package that does not fit the recipe.
+    pub(super) fn receive(&mut self, deadline: Instant) -> Result<Option<Sample>, RtdeError> {
+        loop {
+            if !self.fill(deadline)? {
+                return Ok(None);
+            }
+            if let Some(sample) = self.newest()? {
+                return Ok(Some(sample));
+            }
+        }
+    }
+
     /// Sends a command to the program in the controller.
     ///
     /// # Errors
@@ -161,14 +184,6 @@ impl Session {
         let package = encode(kind::DATA, &command.encode(self.input_recipe));
         Ok(self.stream.write_all(&package)?)
     }
-}
-
-/// True if a read ended because no bytes came in time.
-pub(super) fn is_timeout(error: &io::Error) -> bool {
-    matches!(
-        error.kind(),
-        io::ErrorKind::WouldBlock | io::ErrorKind::TimedOut | io::ErrorKind::Interrupted
-    )
 }
 
 #[cfg(test)]

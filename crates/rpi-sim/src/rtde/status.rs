@@ -15,6 +15,9 @@ const SAFETY_EMERGENCY: [i32; 2] = [6, 7];
 const STOPPED: u32 = 1;
 const PLAYING: u32 = 2;
 
+/// Share of the full speed below which the controller counts as slow.
+const FULL_SPEED: f64 = 0.99;
+
 /// Velocity below which an axis counts as at rest, in rad/s. Measured velocities have noise.
 const REST: f64 = 0.02;
 /// Number of successive samples with the same heartbeat after which the program counts as not running.
@@ -102,11 +105,18 @@ pub(super) fn failure(sample: &Sample) -> ErrorCode {
         ErrorCode::EMERGENCY_STOP
     } else if !SAFETY_NORMAL.contains(&sample.safety_mode) {
         ErrorCode::PROTECTIVE_STOP
-    } else if sample.robot_mode != ROBOT_RUNNING {
+    } else if sample.robot_mode != ROBOT_RUNNING || is_slow(sample) {
         ErrorCode::CONTROLLER_STOPPED
     } else {
         ErrorCode::OK
     }
+}
+
+/// True if the controller does not run at its full speed. Its cycles are longer then for the program, which would neither see
+/// every set-point nor brake in time. Without a running program, the scaling of the trajectory has no meaning.
+fn is_slow(sample: &Sample) -> bool {
+    let is_scaled = sample.runtime_state == PLAYING && sample.speed_scaling < FULL_SPEED;
+    is_scaled || sample.speed_fraction < FULL_SPEED
 }
 
 /// True if no axis moves.
@@ -122,6 +132,9 @@ pub(super) fn advice(sample: &Sample, program: ProgramState) -> &'static str {
         }
         (ErrorCode::PROTECTIVE_STOP, _) => {
             "a safety function has stopped the robot; clear the cause and unlock it at the pendant"
+        }
+        (ErrorCode::CONTROLLER_STOPPED, _) if sample.robot_mode == ROBOT_RUNNING => {
+            "the speed is reduced; set the speed slider at the pendant to 100 %"
         }
         (ErrorCode::CONTROLLER_STOPPED, _) => {
             "the robot is not running; switch it on and release its brakes"
@@ -153,6 +166,8 @@ mod tests {
             robot_mode,
             safety_mode,
             runtime_state: PLAYING,
+            speed_scaling: 1.0,
+            speed_fraction: 1.0,
             phase: 2,
             epoch: 4,
             heartbeat: 1,
@@ -172,6 +187,18 @@ mod tests {
         assert_eq!(code(7, 3), ErrorCode::EMERGENCY_STOP);
         // Modes that the description does not have yet never let the arm move.
         assert_eq!(code(99, 7), ErrorCode::PROTECTIVE_STOP);
+    }
+
+    #[test]
+    fn a_reduced_speed_is_reported_with_its_cause() {
+        let mut now = sample(1, 7);
+        now.speed_fraction = 0.5;
+        assert_eq!(failure(&now), ErrorCode::CONTROLLER_STOPPED);
+        assert!(advice(&now, ProgramState::Waiting).contains("speed slider"));
+        (now.speed_fraction, now.speed_scaling) = (1.0, 0.0);
+        assert_eq!(failure(&now), ErrorCode::CONTROLLER_STOPPED);
+        now.runtime_state = STOPPED;
+        assert_eq!(failure(&now), ErrorCode::OK);
     }
 
     #[test]

@@ -185,6 +185,25 @@ fn claim_register(port: u16) -> TcpStream {
     stream
 }
 
+/// Interruptions at 2.8 rad/s that the driver and its program bridge, and their consequence for the arm.
+const INTERRUPTIONS: &[&str] = &["stall 30", "stall 150", "deaf 30", "deaf 80"];
+
+#[test]
+fn interruptions_of_a_fast_motion_leave_the_arm_within_its_limits() {
+    for interruption in INTERRUPTIONS {
+        let Some(mut controller) = Fake::start("interruptions by RTDE") else {
+            return;
+        };
+        let project = Project::fast(controller.ports);
+        controller.command(&format!("when-faster 2.7 {interruption}"));
+        let (code, text) = project.run_real();
+        let trace = controller.end();
+        assert_eq!(code, Some(0), "{interruption}: {text}\n{}", trace.log);
+        trace.check(BRAKING);
+        println!("{interruption}: {:?}", trace.extremes());
+    }
+}
+
 /// 60 s at the rate of the controller with losses, in which all failures happen in turn: the acceptance test of the driver.
 ///
 /// `cargo test -p rpi --test rtde -- --ignored --nocapture` prints its figures.

@@ -10,6 +10,17 @@ use super::support::output_text;
 /// The example, one round of it, and cells for simulation and for a controller.
 pub(crate) struct Project(tempfile::TempDir);
 
+const FAST: &str = "use motion;
+command Go (arm: Arm<<6>>)
+let
+  way = PointToPoint<<n: 6; speed: 2.8[rad/s]; acceleration: 7.5[rad/s^2]; jerk: 60[rad/s^3]>>(arm, [2.8, -1.9, -1.7, -1.1, 1.5708, 0.3]);
+  arm.joints = way.joints;
+  finish at_a when way.done;
+  fail stopped when way.stopped;
+  fail arm_error when arm.error;
+tel
+";
+
 impl Project {
     pub(crate) fn new(ports: [u16; 2]) -> Project {
         let folder = tempfile::tempdir().unwrap();
@@ -32,6 +43,13 @@ impl Project {
             std::fs::write(folder.path().join(name), text).unwrap();
         }
         Project(folder)
+    }
+
+    /// The same, with a program that turns the first axis by 2.5 rad at up to 2.8 rad/s in place of the example.
+    pub(crate) fn fast(ports: [u16; 2]) -> Project {
+        let project = Project::new(ports);
+        std::fs::write(project.path("blending.rpi"), FAST).unwrap();
+        project
     }
 
     pub(crate) fn path(&self, name: &str) -> PathBuf {

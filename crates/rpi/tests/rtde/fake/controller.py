@@ -8,8 +8,10 @@ Ports of 0 are chosen by the system. Prints `PORTS rtde script`, then a line for
     loss SHARE    loses this share of data packages    drop        closes all RTDE connections
     protective    protective stop                      pause       protective stop that pauses the program
     estop         emergency stop                       unlock      the operator ends the stop, and switches the robot on
-    stop          the operator stops the program       end         ends this process, as the end of standard input does
-    when-moving COMMAND    does the command as soon as an axis is faster than 0.2 rad/s
+    stop          the operator stops the program       scale SHARE the operator sets the speed to this share
+    end           ends this process, as the end of standard input does
+    when-moving COMMAND          does the command as soon as an axis is faster than 0.2 rad/s
+    when-faster SPEED COMMAND    does the command as soon as an axis is faster than this speed, in rad/s
 
 At its end, writes the positions of each cycle to the file, as doubles of this machine.
 """
@@ -47,7 +49,9 @@ class Controller:
         robot, name = self.robot, words[0]
         cycles = lambda: round(float(words[1]) / 1000.0 / robot.cycle)
         if name == "when-moving":
-            return self.waiting.append(" ".join(words[1:]))
+            return self.waiting.append((0.2, " ".join(words[1:])))
+        if name == "when-faster":
+            return self.waiting.append((float(words[1]), " ".join(words[2:])))
         if name == "stall":
             self.stalled = cycles()
         elif name == "deaf":
@@ -56,6 +60,8 @@ class Controller:
             self.loss = float(words[1])
         elif name == "drop":
             self.rtde.drop_all()
+        elif name == "scale":
+            robot.scaling = float(words[1])
         elif name == "protective":
             robot.protective_stop()
         elif name == "pause":
@@ -80,8 +86,8 @@ class Controller:
             *lines, self.unread = (self.unread + new.decode()).split("\n")
             for line in lines:
                 self.obey(line)
-        if self.waiting and self.robot.speed() > 0.2:
-            self.obey(self.waiting.pop(0))
+        if self.waiting and self.robot.speed() > self.waiting[0][0]:
+            self.obey(self.waiting.pop(0)[1])
 
     def cycle(self):
         self.rtde.receive(lambda: self.deaf > 0 or self.is_lost())

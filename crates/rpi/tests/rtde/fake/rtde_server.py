@@ -28,7 +28,7 @@ OUTPUTS = {
         lambda robot: {1: 0b1, 3: 0b100, 7: 0b11000000}.get(robot.safety_mode, 0),
     ),
     "speed_scaling": ("DOUBLE", lambda robot: 1.0),
-    "target_speed_fraction": ("DOUBLE", lambda robot: 1.0),
+    "target_speed_fraction": ("DOUBLE", lambda robot: robot.scaling),
 }
 FORMATS = {"DOUBLE": "d", "VECTOR6D": "6d", "INT32": "i", "UINT32": "I"}
 
