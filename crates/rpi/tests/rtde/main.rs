@@ -185,8 +185,8 @@ fn claim_register(port: u16) -> TcpStream {
     stream
 }
 
-/// Interruptions at 2.8 rad/s that the driver and its program bridge, and their consequence for the arm.
-const INTERRUPTIONS: &[&str] = &["stall 30", "stall 150", "deaf 30", "deaf 80"];
+/// Interruptions at 2.8 rad/s that the driver and its program bridge: no states, and no set-points.
+const INTERRUPTIONS: &[&str] = &["stall 150", "deaf 80"];
 
 #[test]
 fn interruptions_of_a_fast_motion_leave_the_arm_within_its_limits() {
@@ -202,6 +202,71 @@ fn interruptions_of_a_fast_motion_leave_the_arm_within_its_limits() {
         trace.check(BRAKING);
         println!("{interruption}: {:?}", trace.extremes());
     }
+}
+
+/// Program of an operator, which uses no registers.
+const FOREIGN: &str = "def operators_program():\n  while True:\n    sync()\n  end\nend\n";
+
+#[test]
+fn a_foreign_program_is_left_alone_though_the_registers_are_those_of_a_program_of_the_driver() {
+    let Some(mut controller) = Fake::start("a foreign program by RTDE") else {
+        return;
+    };
+    let project = Project::fast(controller.ports);
+    let (code, text) = project.run_real();
+    assert_eq!(code, Some(0), "{text}");
+    let mut pendant = TcpStream::connect(("127.0.0.1", controller.ports[1])).unwrap();
+    pendant.write_all(FOREIGN.as_bytes()).unwrap();
+    controller.wait_for("PROGRAM operators_program");
+    let known = controller.log.len();
+    let (code, text) = project.run_real();
+    assert_eq!(code, Some(2), "{text}");
+    assert!(text.contains("another program runs"), "{text}");
+    let log = controller.end().log;
+    let later: Vec<&str> = log.lines().skip(known).collect();
+    assert!(!later.iter().any(|l| l.contains("PROGRAM")), "{later:?}");
+}
+
+#[test]
+fn a_program_that_was_paused_does_not_move_the_arm_to_an_old_set_point() {
+    let Some(mut controller) = Fake::start("a pause by RTDE") else {
+        return;
+    };
+    let project = Project::fast(controller.ports);
+    // Without the end of the epoch by the driver, only the program itself can know of the pause.
+    controller.command("when-faster 2.7 deaf 5000");
+    controller.command("when-faster 2.0 pause");
+    let (code, text) = project.run_real();
+    assert_ne!(code, Some(0), "{text}");
+    assert!(text.contains("protective-stop"), "{text}");
+    thread::sleep(Duration::from_millis(300));
+    controller.command("unlock");
+    let line = controller.wait_for("DONE unlock at ");
+    let time: f64 = line.split(' ').nth(3).unwrap().parse().unwrap();
+    let trace = controller.end();
+    let after = &trace.positions[(time / CYCLE) as usize..];
+    let moved = after.iter().map(|at| (at[0] - after[0][0]).abs());
+    let moved = moved.fold(0.0, f64::max);
+    assert!(moved < 1e-3 && after.len() > 100, "{moved}\n{}", trace.log);
+}
+
+#[test]
+fn a_reduced_speed_is_reported_and_ends_a_motion() {
+    let Some(mut controller) = Fake::start("a reduced speed by RTDE") else {
+        return;
+    };
+    let project = Project::fast(controller.ports);
+    controller.command("scale 0.5");
+    let (code, text) = project.run_real();
+    assert_eq!(code, Some(2), "{text}");
+    assert!(text.contains("speed slider"), "{text}");
+    controller.command("scale 1");
+    controller.command("when-faster 2.7 scale 0.5");
+    let (code, text) = project.run_real();
+    let trace = controller.end();
+    assert_ne!(code, Some(0), "{text}");
+    assert!(text.contains("controller-stopped"), "{text}");
+    trace.check(BRAKING);
 }
 
 /// 60 s at the rate of the controller with losses, in which all failures happen in turn: the acceptance test of the driver.
