@@ -7,12 +7,11 @@ use super::link::{ControllerState, SetPoint, Shared};
 use super::pace::Pace;
 use super::player::Player;
 use super::recipe::{COUNTER_MASK, Command, Joints, Sample};
-use super::session::{Session, connect};
+use super::session::Session;
 use super::status::{self, ProgramState, Status};
+use super::upload::{Upload, UploadState};
 use crate::error_code::ErrorCode;
 use rtrb::{Consumer, Producer};
-use std::io::{self, Read, Write};
-use std::net::TcpStream;
 use std::sync::Arc;
 use std::thread;
 use std::time::{Duration, Instant};
@@ -46,6 +45,31 @@ enum Stage {
     Following(i32),
 }
 
+/// Attempts of one kind, with pauses between them that grow.
+#[derive(Clone, Copy, Debug)]
+struct Attempts {
+    next: Instant,
+    /// Time between the next attempt and the one after it.
+    pause: Duration,
+}
+
+impl Attempts {
+    /// Creates attempts from this time on.
+    fn new(next: Instant) -> Self {
+        let pause = BACK_OFF[0];
+        Self { next, pause }
+    }
+
+    /// True if an attempt may be made, which then counts as made.
+    fn is_due(&mut self, now: Instant) -> bool {
+        let is_due = now >= self.next;
+        if is_due {
+            (self.next, self.pause) = (now + self.pause, (2 * self.pause).min(BACK_OFF[1]));
+        }
+        is_due
+    }
+}
+
 /// Both queues to the cycle.
 pub(super) type Queues = (Consumer<SetPoint>, Producer<ControllerState>);
 
@@ -64,12 +88,14 @@ pub(super) struct Exchange {
     number: i32,
     /// Positions at which the present epoch has begun, in rad; held until the cycle sends set-points.
     start: Joints,
-    /// Connection by which the program was sent, kept until the program runs, and its time limit.
-    upload: Option<(TcpStream, Instant)>,
+    /// Transmission of the program, kept until the program runs.
+    upload: Option<Upload>,
     /// Error of the last attempt to send the program; `None` if it was sent.
     upload_error: Option<String>,
-    /// Earliest time of the next attempt to send the program or to begin an epoch, and the pause after that.
-    attempt: (Instant, Duration),
+    /// Attempts to send the program.
+    sending: Attempts,
+    /// Attempts to begin an epoch.
+    joining: Attempts,
     pace: Pace,
 }
 
@@ -96,7 +122,8 @@ impl Exchange {
             start: [0.0; AXES],
             upload: None,
             upload_error: None,
-            attempt: (Instant::now(), BACK_OFF[0]),
+            sending: Attempts::new(Instant::now()),
+            joining: Attempts::new(Instant::now()),
             pace: Pace::new(0.002, Instant::now()),
         }
     }
@@ -203,7 +230,7 @@ impl Exchange {
     }
 
     fn proceed(&mut self, sample: &Sample, program: ProgramState, failure: ErrorCode) {
-        self.drain_upload(program);
+        self.follow_upload(program);
         let now = Instant::now();
         match self.stage {
             Stage::Following(epoch) | Stage::Joining(epoch, _)
@@ -211,18 +238,18 @@ impl Exchange {
             {
                 if self.stage != Stage::Following(epoch) {
                     self.player.clear();
-                    self.attempt = (now, BACK_OFF[0]);
+                    (self.sending, self.joining) = (Attempts::new(now), Attempts::new(now));
                 }
                 self.stage = Stage::Following(epoch);
             }
             Stage::Following(_) => {
                 self.stage = Stage::Idle;
-                self.attempt = (now + AFTER_STOP, BACK_OFF[0]);
+                let next = now + AFTER_STOP;
+                (self.sending, self.joining) = (Attempts::new(next), Attempts::new(next));
             }
             Stage::Joining(_, limit) if now < limit && failure == ErrorCode::OK => {}
             Stage::Joining(..) => self.stage = Stage::Idle,
             Stage::Idle if failure != ErrorCode::OK || !status::is_at_rest(sample) => {}
-            Stage::Idle if now < self.attempt.0 || self.upload.is_some() => {}
             Stage::Idle => self.attempt_start(sample, program, now),
         }
     }
@@ -230,12 +257,15 @@ impl Exchange {
     /// The arm rests and has no fault: sends the program if it does not run, or begins an epoch if it waits.
     fn attempt_start(&mut self, sample: &Sample, program: ProgramState, now: Instant) {
         match program {
-            ProgramState::Absent | ProgramState::Orphaned => {
-                self.postpone(now);
-                self.upload_error = self.send_program().err().map(|error| error.to_string());
+            ProgramState::Absent | ProgramState::Orphaned
+                if self.upload.is_none() && self.sending.is_due(now) =>
+            {
+                match Upload::start(&self.spec, self.program.1.clone()) {
+                    Ok(upload) => self.upload = Some(upload),
+                    Err(error) => self.upload_error = Some(error.to_string()),
+                }
             }
-            ProgramState::Waiting => {
-                self.postpone(now);
+            ProgramState::Waiting if self.joining.is_due(now) => {
                 let gaps = sample.targets.iter().zip(&sample.positions);
                 let is_near = gaps
                     .map(|(q, p)| (q - p).abs())
@@ -251,36 +281,29 @@ impl Exchange {
                 self.epoch = self.epoch.max(1);
                 self.stage = Stage::Joining(self.epoch, now + PROGRAM_TIME);
             }
-            ProgramState::Following(_) | ProgramState::Braking | ProgramState::Foreign => {}
+            _ => {}
         }
     }
 
-    fn postpone(&mut self, now: Instant) {
-        let pause = self.attempt.1;
-        self.attempt = (now + pause, (2 * pause).min(BACK_OFF[1]));
-    }
-
-    fn send_program(&mut self) -> io::Result<()> {
-        let mut stream = connect(&self.spec.host, self.spec.script_port)?;
-        stream.write_all(self.program.1.as_bytes())?;
-        stream.set_nonblocking(true)?;
-        self.upload = Some((stream, Instant::now() + PROGRAM_TIME));
-        Ok(())
-    }
-
-    /// Reads what the controller sends to the port of programs, so that closing it does not reset the connection before the
-    /// program has arrived. Closes it when the program runs.
-    fn drain_upload(&mut self, program: ProgramState) {
-        let Some((stream, limit)) = &mut self.upload else {
+    /// Ends the transmission of the program when the program runs, after an error, or when another program runs before it is
+    /// sent.
+    fn follow_upload(&mut self, program: ProgramState) {
+        let Some(upload) = &mut self.upload else {
             return;
         };
-        let mut bytes = [0; 4096];
-        for _ in 0..16 {
-            if !matches!(stream.read(&mut bytes), Ok(1..)) {
-                break;
+        let is_over = match upload.state() {
+            UploadState::Connecting => program == ProgramState::Foreign,
+            UploadState::Sent => {
+                self.upload_error = None;
+                program == ProgramState::Waiting
             }
-        }
-        if program == ProgramState::Waiting || Instant::now() > *limit {
+            UploadState::Over => true,
+            UploadState::Failed(error) => {
+                self.upload_error = Some(error.to_string());
+                true
+            }
+        };
+        if is_over {
             self.upload = None;
         }
     }

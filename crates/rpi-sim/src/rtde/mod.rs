@@ -28,6 +28,8 @@ mod recipe;
 mod session;
 #[cfg(feature = "rtde")]
 mod status;
+#[cfg(feature = "rtde")]
+mod upload;
 
 #[cfg(feature = "rtde")]
 pub(crate) use arm::UrController;
@@ -37,6 +39,8 @@ use core::ops::RangeInclusive;
 /// Number of axes of all arms of Universal Robots.
 pub(crate) const AXES: usize = 6;
 
+/// Range of the time limit of the connection, in s. Below, jitter counts as a loss; above, an arm without a driver moves on.
+pub(crate) const TIMEOUT: RangeInclusive<f64> = 0.02..=1.0;
 /// Range of the time by which `servoj` looks ahead, in s. Source: URScript manual, `servoj`.
 pub(crate) const LOOKAHEAD: RangeInclusive<f64> = 0.03..=0.2;
 /// Range of the proportional gain of `servoj`. Source: URScript manual, `servoj`.
@@ -52,7 +56,7 @@ pub struct UrSpec {
     /// TCP port that accepts URScript programs, 30002 on a real controller.
     pub script_port: u16,
     /// Time without a state of the controller, or for the controller without a set-point, after which the connection
-    /// counts as lost, in s.
+    /// counts as lost, in s, 0.02 to 1.
     pub timeout: f64,
     /// Time by which `servoj` looks ahead, in s, 0.03 to 0.2: longer is smoother, with more lag.
     pub lookahead: f64,
