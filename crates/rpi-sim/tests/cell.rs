@@ -230,6 +230,18 @@ const BROKEN: &[(&str, &str)] = &[
         "3:9: model `kuka-lwr4+` has 7 axes, expected 6",
     ),
     (
+        "[devices.a]\nkind = \"ur-arm\"\nmodel = \"kuka-kr6-r900\"\naddress = \"ur\"",
+        "3:9: model `kuka-kr6-r900` is a KUKA",
+    ),
+    (
+        "[devices.a]\nkind = \"ur-arm\"\nmodel = \"ur5e\"\naddress = \"ur\"\ntimeout = 1e30",
+        "5:11: `timeout` is",
+    ),
+    (
+        "[devices.a]\nkind = \"ur-arm\"\nmodel = \"ur5e\"\naddress = \"ur\"\ntimeout = \"5 ms\"",
+        "5:11: `timeout` is 0.005 s",
+    ),
+    (
         "[devices.a]\nkind = \"ur-arm\"\nmodel = \"ur5e\"\naddress = \"ur\"\nlookahead = 0.3",
         "5:13: `lookahead` is 0.3 s",
     ),

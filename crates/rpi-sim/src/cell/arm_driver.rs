@@ -5,6 +5,7 @@ use super::quantity::Dimension::{Number, Time};
 use super::reader::TableReader;
 use crate::rtde::{self, UrSpec};
 use crate::udp::UdpSpec;
+use rpi_kin::{ArmModel, models};
 use std::net::SocketAddr;
 
 /// Default of the key `timeout`, in s.
@@ -55,7 +56,9 @@ pub(super) fn read_ur(reader: &mut TableReader<'_>) -> Option<ArmSpec> {
         host: host.unwrap_or_default().to_owned(),
         rtde_port: read_port(reader, "rtde_port").unwrap_or(30004),
         script_port: read_port(reader, "script_port").unwrap_or(30002),
-        timeout: reader.positive("timeout", Time).unwrap_or(TIMEOUT),
+        timeout: reader
+            .real_within("timeout", Time, rtde::TIMEOUT)
+            .unwrap_or(TIMEOUT),
         lookahead: reader
             .real_within("lookahead", Time, rtde::LOOKAHEAD)
             .unwrap_or(0.1),
@@ -64,15 +67,28 @@ pub(super) fn read_ur(reader: &mut TableReader<'_>) -> Option<ArmSpec> {
             .unwrap_or(300.0),
     };
     let spec = arm::read(reader)?;
-    let axes = spec.model.axes();
-    if axes != rtde::AXES {
-        let message = format!("model `{}` has {axes} axes, expected 6", spec.model.id);
+    if let Some(message) = unfit_model(spec.model) {
         let help = "a `ur-arm` is an arm of Universal Robots, such as `ur5e`".to_owned();
         reader.error_at("model", message, Some(help));
         return None;
     }
     host?;
     with_ur(reader, spec, ur)
+}
+
+/// Returns the reason for which an arm with this model cannot be one of Universal Robots; `None` if it can. A description of a
+/// robot in a file does not state its vendor.
+fn unfit_model(model: &ArmModel) -> Option<String> {
+    let (id, axes) = (model.id, model.axes());
+    let is_built_in = models::by_id(id).is_some();
+    if axes != rtde::AXES {
+        Some(format!("model `{id}` has {axes} axes, expected 6"))
+    } else if is_built_in && !model.display_name.starts_with("Universal Robots") {
+        let name = model.display_name;
+        Some(format!("model `{id}` is a {name}, which has no RTDE"))
+    } else {
+        None
+    }
 }
 
 #[cfg(feature = "rtde")]
