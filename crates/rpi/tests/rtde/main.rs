@@ -251,16 +251,11 @@ fn a_program_that_was_paused_does_not_move_the_arm_to_an_old_set_point() {
 }
 
 #[test]
-fn a_reduced_speed_is_reported_and_ends_a_motion() {
+fn a_reduced_speed_ends_a_motion() {
     let Some(mut controller) = Fake::start("a reduced speed by RTDE") else {
         return;
     };
     let project = Project::fast(controller.ports);
-    controller.command("scale 0.5");
-    let (code, text) = project.run_real();
-    assert_eq!(code, Some(2), "{text}");
-    assert!(text.contains("speed slider"), "{text}");
-    controller.command("scale 1");
     controller.command("when-faster 2.7 scale 0.5");
     let (code, text) = project.run_real();
     let trace = controller.end();
