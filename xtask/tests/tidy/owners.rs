@@ -44,7 +44,14 @@ const OWNERS: &[(&str, &[&str])] = &[
     ("rustc-hash", &["rpi-lower", "rpi-net"]),
     (
         "rustix",
-        &["rpi", "rpi-bench", "rpi-fuzz", "rpi-runtime", "rpi-serve"],
+        &[
+            "rpi",
+            "rpi-bench",
+            "rpi-fuzz",
+            "rpi-runtime",
+            "rpi-serve",
+            "rpi-sim",
+        ],
     ),
     ("rustls", &["rpi-client", "rpi-serve"]),
     ("seccompiler", &["rpi-runtime"]),
