@@ -2,7 +2,8 @@
 
 mod support;
 
-use support::tools::{folder, run, shown};
+use support::output_text;
+use support::tools::{folder, run, run_recorded};
 
 /// A line that turns a tool: its tip moves on the line, and the arm takes over to its own tool in motion.
 const WELDING: &str = "use motion, points;
@@ -72,19 +73,11 @@ fn vectors(rows: &str, flow: &str) -> Vec<[f64; 3]> {
 #[test]
 fn the_tip_of_a_chosen_tool_moves_on_the_line() {
     let folder = folder(&[("program.rpi", WELDING), ("points.toml", TORCH)]);
-    let done = run(
-        "rpi",
-        &["run", "program.rpi", "--record", "out.csv"],
-        folder.path(),
-        "",
-    );
-    let text = shown(&done);
-    assert_eq!(done.status.code(), Some(0), "{text}");
+    let (text, rows) = run_recorded(folder.path());
     assert!(
         text.contains("taken over at half") && text.contains("finished with there"),
         "{text}"
     );
-    let rows = std::fs::read_to_string(folder.path().join("out.csv")).expect("recorded");
     let at = vectors(&rows, ").at\"");
     let planned = vectors(&rows, ").planned\"");
     assert!(at.len() > 500 && planned.len() > 500);
@@ -121,7 +114,7 @@ tel
     ] {
         let folder = folder(&[("program.rpi", &program)]);
         let done = run("rpic", &["check", "program.rpi"], folder.path(), "");
-        let text = shown(&done).replace("\n  │ ", " ");
+        let text = output_text(&done).replace("\n  │ ", " ");
         match part {
             Some(part) => assert!(text.contains(part), "{text}"),
             None => assert!(!text.contains("error"), "{text}"),
@@ -194,7 +187,7 @@ fn the_pose_of_a_motion_is_that_of_its_own_tool() {
             folder.path(),
             "",
         );
-        let text = shown(&done);
+        let text = output_text(&done);
         assert!(text.contains(result), "{task}: {text}");
     }
 }
@@ -231,7 +224,11 @@ let q = Filter(seen); tel
 ";
     let folder = folder(&[("program.rpi", program)]);
     let done = run("rpic", &["check", "program.rpi"], folder.path(), "");
-    assert!(!shown(&done).contains("error"), "{}", shown(&done));
+    assert!(
+        !output_text(&done).contains("error"),
+        "{}",
+        output_text(&done)
+    );
 }
 
 /// `rpi trace` compiles a program for the cell that it is given, as `rpi run` does.
@@ -255,6 +252,11 @@ tel
             folder.path(),
             "",
         );
-        assert_eq!(done.status.code(), Some(0), "{tool}: {}", shown(&done));
+        assert_eq!(
+            done.status.code(),
+            Some(0),
+            "{tool}: {}",
+            output_text(&done)
+        );
     }
 }

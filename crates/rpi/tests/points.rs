@@ -2,7 +2,8 @@
 
 mod support;
 
-use support::tools::{folder, run, shown};
+use support::output_text;
+use support::tools::{folder, run, run_recorded};
 
 /// Program that goes to a point in space, to one in a frame of the file and to one in a frame of the program.
 const PROGRAM: &str = "use motion, points;
@@ -59,20 +60,8 @@ joints = [\"10 deg\", \"-30 deg\", 0, \"90 deg\", 0, \"-60 deg\", 0]
 #[test]
 fn programs_name_points_and_frames() {
     let folder = folder(&[("program.rpi", PROGRAM), ("points.toml", POINTS)]);
-    let done = run(
-        "rpi",
-        &["run", "program.rpi", "--record", "out.csv"],
-        folder.path(),
-        "",
-    );
-    assert_eq!(done.status.code(), Some(0), "{}", shown(&done));
-    assert_eq!(
-        shown(&done).matches("finished with there").count(),
-        3,
-        "{}",
-        shown(&done)
-    );
-    let rows = std::fs::read_to_string(folder.path().join("out.csv")).expect("recorded");
+    let (text, rows) = run_recorded(folder.path());
+    assert_eq!(text.matches("finished with there").count(), 3, "{text}");
     // 50 mm and 20 mm in the axes of the table, turned by 30 degrees; then in those of the shelf.
     let [c, s] = [0.75_f64.sqrt(), 0.5];
     for (x, y) in [
@@ -182,7 +171,7 @@ fn missing_unused_and_wrong_points_are_reported() {
         assert_ne!(points, POINTS, "{from}");
         let folder = folder(&[("program.rpi", PROGRAM), ("points.toml", &points)]);
         let done = run("rpi", &["run", "program.rpi"], folder.path(), "");
-        let text = shown(&done);
+        let text = output_text(&done);
         assert_eq!(done.status.code(), Some(*status), "{to}: {text}");
         assert!(text.replace("\n  │ ", " ").contains(part), "{to}: {text}");
     }

@@ -7,7 +7,8 @@ use std::path::Path;
 use std::process::{Child, Command, Stdio};
 use std::time::Duration;
 
-use support::tools::{CELL, folder, run, shown};
+use support::output_text;
+use support::tools::{CELL, folder, run};
 
 /// A program of the points that were taught: through all of them, back to the first.
 const TAUGHT: &str = "use motion, points;
@@ -35,7 +36,7 @@ fn keys_move_the_arm_and_take_points() {
     // The tool forwards and up, axis 2 to and fro, an axis that the arm lacks, a wrong name, one point too many.
     let keys = "wwrrt2++--sd>on1x\nnabove\ntz<q";
     let done = run("rpi", &["teach"], folder.path(), keys);
-    let text = shown(&done);
+    let text = output_text(&done);
     assert_eq!(done.status.code(), Some(0), "{text}");
     for part in [
         "took p1:",
@@ -49,7 +50,7 @@ fn keys_move_the_arm_and_take_points() {
         assert!(text.contains(part), "{part}: {text}");
     }
     let done = run("rpi", &["run", "program.rpi"], folder.path(), "");
-    assert_eq!(done.status.code(), Some(0), "{}", shown(&done));
+    assert_eq!(done.status.code(), Some(0), "{}", output_text(&done));
 }
 
 #[test]
@@ -62,7 +63,7 @@ fn points_are_taken_in_a_frame_and_the_file_stays_as_it_is() {
         folder.path(),
         "t",
     );
-    assert_eq!(done.status.code(), Some(0), "{}", shown(&done));
+    assert_eq!(done.status.code(), Some(0), "{}", output_text(&done));
     let text = std::fs::read_to_string(folder.path().join("places.toml")).expect("written");
     assert!(text.starts_with(frame), "{text}");
     assert!(text.contains("[points.p1]\nin = \"table\"\n"), "{text}");
@@ -73,7 +74,11 @@ fn points_are_taken_in_a_frame_and_the_file_stays_as_it_is() {
         "t",
     );
     assert_eq!(done.status.code(), Some(2));
-    assert!(shown(&done).contains("no frame `desk`"), "{}", shown(&done));
+    assert!(
+        output_text(&done).contains("no frame `desk`"),
+        "{}",
+        output_text(&done)
+    );
 }
 
 /// At the end of the reach the arm stops with an error, and the next key moves it back.
@@ -81,7 +86,7 @@ fn points_are_taken_in_a_frame_and_the_file_stays_as_it_is() {
 fn the_arm_moves_on_after_it_has_stopped_at_the_end_of_its_reach() {
     let folder = folder(&[]);
     let done = run("rpi", &["teach", "--hold", "3s"], folder.path(), ">>wwtst");
-    let text = shown(&done);
+    let text = output_text(&done);
     assert_eq!(done.status.code(), Some(0), "{text}");
     assert!(text.contains("the arm stopped"), "{text}");
     let place = |name: &str| -> f64 {
@@ -106,8 +111,17 @@ fn the_arm_may_have_any_name() {
         let cell = CELL.replace("devices.arm", &format!("devices.{name}"));
         let folder = folder(&[("cell.toml", &cell)]);
         let done = run("rpi", &["teach"], folder.path(), "w1+t");
-        assert_eq!(done.status.code(), Some(0), "{name}: {}", shown(&done));
-        assert!(shown(&done).contains("took p1"), "{name}: {}", shown(&done));
+        assert_eq!(
+            done.status.code(),
+            Some(0),
+            "{name}: {}",
+            output_text(&done)
+        );
+        assert!(
+            output_text(&done).contains("took p1"),
+            "{name}: {}",
+            output_text(&done)
+        );
     }
 }
 
@@ -116,7 +130,7 @@ fn names_that_others_have_are_not_taken_and_words_are_refused() {
     let points = "[tools.p1]\nposition = [0, 0, 0.1]\n";
     let folder = folder(&[("points.toml", points)]);
     let done = run("rpi", &["teach"], folder.path(), "tnif\nnpose\nnp2\n");
-    let text = shown(&done);
+    let text = output_text(&done);
     for part in [
         "took p2",
         "`if` is a word",
@@ -172,12 +186,12 @@ fn an_arm_of_a_server_is_taught() {
         run("rpi", &arguments, folder.path(), "wwt")
     };
     let done = teach(&["--arm", "one"]);
-    assert_eq!(done.status.code(), Some(0), "{}", shown(&done));
+    assert_eq!(done.status.code(), Some(0), "{}", output_text(&done));
     let done = teach(&[]);
     assert!(
-        shown(&done).contains("choose one by --arm: one, two"),
+        output_text(&done).contains("choose one by --arm: one, two"),
         "{}",
-        shown(&done)
+        output_text(&done)
     );
     drop(server);
     let text = std::fs::read_to_string(folder.path().join("points.toml")).expect("there");

@@ -4,6 +4,8 @@ use std::io::Write as _;
 use std::path::Path;
 use std::process::{Command, Output, Stdio};
 
+use super::output_text;
+
 /// Cell of one light-weight arm, called `arm`, at its home position.
 pub(crate) const CELL: &str =
     "[devices.arm]\nkind = \"arm\"\nmodel = \"kuka-lwr4+\"\njoints = \"home\"\n";
@@ -28,10 +30,14 @@ pub(crate) fn run(program: &str, arguments: &[&str], folder: &Path, input: &str)
     child.wait_with_output().expect("the tool ends")
 }
 
-/// Returns what a tool has printed.
-pub(crate) fn shown(output: &Output) -> String {
-    let [out, err] = [&output.stdout, &output.stderr].map(|bytes| String::from_utf8_lossy(bytes));
-    format!("{out}{err}")
+/// Runs `program.rpi` of a folder to its end with a recording. Returns what the tool has printed, and the rows.
+pub(crate) fn run_recorded(folder: &Path) -> (String, String) {
+    let arguments = ["run", "program.rpi", "--record", "out.csv"];
+    let done = run("rpi", &arguments, folder, "");
+    let text = output_text(&done);
+    assert_eq!(done.status.code(), Some(0), "{text}");
+    let rows = std::fs::read_to_string(folder.join("out.csv")).expect("recorded");
+    (text, rows)
 }
 
 /// Returns a folder with the cell, and the files with these texts.
