@@ -13,6 +13,7 @@ pub mod cell;
 mod bank;
 mod base;
 mod device;
+mod driver_io;
 mod fault;
 mod io;
 mod kinds;

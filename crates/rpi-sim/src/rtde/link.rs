@@ -5,6 +5,7 @@ use super::exchange::Exchange;
 use super::program;
 use super::recipe::Joints;
 use super::session::Session;
+use crate::driver_io::{QUEUE, newest};
 use crate::error_code::ErrorCode;
 use rpi_kin::AxisLimits;
 use rtrb::{Consumer, Producer, RingBuffer};
@@ -14,8 +15,6 @@ use std::sync::{Arc, Mutex, PoisonError};
 use std::thread::{self, JoinHandle};
 use std::time::{Duration, Instant, SystemTime};
 
-/// Capacity of the queues between cycle and thread, in set-points or states.
-const QUEUE: usize = 256;
 /// Time in which the controller must follow when the connection is opened.
 const START_TIME: Duration = Duration::from_secs(5);
 /// Maximum time for which the end of the connection waits until the last set-points are played.
@@ -150,15 +149,7 @@ impl Link {
 
     /// Returns the newest state of the controller since the last call; `None` if there is no new one.
     pub(super) fn newest(&mut self) -> Option<ControllerState> {
-        let mut newest = None;
-        // Bounded: the thread cannot add as fast as the queue is emptied.
-        for _ in 0..QUEUE {
-            match self.states.pop() {
-                Ok(state) => newest = Some(state),
-                Err(_) => break,
-            }
-        }
-        newest
+        newest(&mut self.states)
     }
 }
 

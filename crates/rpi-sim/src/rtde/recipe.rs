@@ -5,6 +5,7 @@
 
 use super::AXES;
 use super::error::RtdeError;
+use crate::driver_io::Fields;
 
 /// Bits of the counters in registers, which wrap at 2^30: a sum of two still fits a register.
 pub(super) const COUNTER_MASK: i32 = (1 << 30) - 1;
@@ -130,16 +131,7 @@ pub(super) fn check_answer(
     }
 }
 
-/// Reader of the values of a package; each value is `None` if the package is too short.
-struct Fields<'a>(&'a [u8]);
-
 impl Fields<'_> {
-    fn take<const N: usize>(&mut self) -> Option<[u8; N]> {
-        let (first, rest) = self.0.split_first_chunk()?;
-        self.0 = rest;
-        Some(*first)
-    }
-
     fn double(&mut self) -> Option<f64> {
         let value = f64::from_be_bytes(self.take()?);
         value.is_finite().then_some(value)

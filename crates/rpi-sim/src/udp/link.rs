@@ -1,6 +1,7 @@
 //! Connection to the controller of a `udp-arm`: a thread with the clock of the controller, and queues to the cycle.
 
 use super::protocol::{MAX_BYTES, MAX_SET_POINTS, Positions, SetPointPacket, StatePacket};
+use crate::driver_io::{QUEUE, newest};
 use rtrb::{Consumer, Producer, RingBuffer};
 use std::collections::VecDeque;
 use std::io;
@@ -10,8 +11,6 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use std::thread;
 use std::time::{Duration, Instant};
 
-/// Capacity of the queues between cycle and thread, in set-points or states.
-const QUEUE: usize = 256;
 /// Time for which the thread waits for a state of the controller before it sends a datagram again, to contact it.
 const GREETING_PERIOD: Duration = Duration::from_millis(20);
 /// Time in which a controller must answer when the connection is opened.
@@ -81,15 +80,7 @@ impl Link {
 
     /// Returns the newest state of the controller since the last call; `None` if there is no new one.
     pub(super) fn newest(&mut self) -> Option<StatePacket> {
-        let mut newest = None;
-        // Bounded: the thread cannot add as fast as the queue is emptied.
-        for _ in 0..QUEUE {
-            match self.states.pop() {
-                Ok(state) => newest = Some(state),
-                Err(_) => break,
-            }
-        }
-        newest
+        newest(&mut self.states)
     }
 }
 

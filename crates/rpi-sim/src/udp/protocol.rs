@@ -3,6 +3,7 @@
 //! All numbers are little-endian. Both kinds begin with the four bytes `RPI1`, a byte for the kind, and a byte for the
 //! number of axes. Positions are rad or m. `docs/src/drivers.md` has the table of the fields.
 
+use crate::driver_io::Fields;
 use rpi_kin::MAX_AXES;
 
 /// Maximum size of a datagram, in bytes.
@@ -66,16 +67,7 @@ impl ControllerMode {
     }
 }
 
-/// Reader of the fields of a datagram; each field is `None` if the datagram is too short.
-struct Fields<'a>(&'a [u8]);
-
 impl Fields<'_> {
-    fn take<const N: usize>(&mut self) -> Option<[u8; N]> {
-        let (first, rest) = self.0.split_first_chunk()?;
-        self.0 = rest;
-        Some(*first)
-    }
-
     fn byte(&mut self) -> Option<u8> {
         self.take().map(|[byte]| byte)
     }
