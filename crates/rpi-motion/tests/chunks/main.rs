@@ -1,0 +1,119 @@
+//! Chunks of joint positions that arrive late by random delays: every limit of every axis holds in every cycle, the arm follows
+//! the policy closely, brakes on its path when a chunk is late, and goes on when it comes.
+//!
+//! `RPI_CHUNK_SESSIONS` sets the number of sessions, `RPI_SEED` the first seed (defaults: a smoke for CI).
+
+mod policy;
+mod session;
+#[path = "../takeovers/watch.rs"]
+mod watch;
+#[path = "../support/xorshift.rs"]
+mod xorshift;
+
+use rpi_kin::{ArmModel, models};
+use session::{Kind, Outcome, Session};
+use xorshift::Random;
+
+rpi_testkit::trap_allocations!();
+
+const ARMS: [&ArmModel; 3] = [
+    &models::kuka_lbr::LWR_4_PLUS,
+    &models::universal_robots::UR5E,
+    &models::franka::PANDA,
+];
+
+fn number(name: &str, default: u64) -> u64 {
+    std::env::var(name).map_or(default, |text| text.parse().expect("a number"))
+}
+
+/// A policy that asks for at most half of each limit, with delays under half of its horizon.
+fn tracked(random: &mut Random) -> Kind {
+    let period = random.between(0.01, 0.1);
+    let horizon = random.between(1.0, 3.0);
+    let rows = ((horizon / period) as usize + 1).clamp(11, 200);
+    let longest = (0.5 * period * (rows - 1) as f64).min(0.8);
+    Kind {
+        chunks: 20,
+        ask: random.between(0.2, 0.5),
+        period,
+        rows,
+        delay: (0.02, longest),
+        noise: 1e-3 * random.unit() * random.unit(),
+        offset: 5e-3 * random.unit(),
+        with_velocities: random.unit() < 0.3,
+        is_wild: false,
+    }
+}
+
+fn wild(random: &mut Random) -> Kind {
+    let period = random.between(0.01, 0.1);
+    Kind {
+        chunks: 20,
+        ask: random.between(0.2, 3.0),
+        period,
+        rows: 5 + (196.0 * random.unit() * random.unit()) as usize,
+        delay: (0.02, 0.8),
+        noise: 0.02 * random.unit() * random.unit(),
+        offset: 0.05 * random.unit(),
+        with_velocities: false,
+        is_wild: true,
+    }
+}
+
+fn check(outcome: &Outcome, model: &ArmModel, kind: &Kind, seed: u64) {
+    assert!(
+        outcome.is_within,
+        "{} seed {seed} {kind:?}: {:?}",
+        model.id, outcome.worst
+    );
+}
+
+/// Value below which the share `share` of the sorted values lies.
+fn quantile(sorted: &[f64], share: f64) -> f64 {
+    sorted[((sorted.len() - 1) as f64 * share) as usize]
+}
+
+#[test]
+fn a_policy_is_followed_closely() {
+    let (sessions, first) = (number("RPI_CHUNK_SESSIONS", 100), number("RPI_SEED", 1));
+    for model in ARMS {
+        let mut all = Vec::new();
+        let (mut rest, mut late, mut limited, mut smoothing) = (0, 0, 0, 0.0f64);
+        for seed in first..first + sessions.div_ceil(3) {
+            let kind = tracked(&mut Random::new(seed));
+            let outcome = Session::new(model, kind, seed).run();
+            check(&outcome, model, &kind, seed);
+            rest += outcome.at_rest;
+            late += outcome.late;
+            limited += outcome.limited;
+            smoothing = smoothing.max(outcome.smoothing);
+            assert_eq!(outcome.rejected, 0, "{} seed {seed}", model.id);
+            all.extend(outcome.errors);
+        }
+        all.sort_by(f64::total_cmp);
+        let (median, p99) = (quantile(&all, 0.5), quantile(&all, 0.99));
+        println!(
+            "{}: {} cycles, error median {median:.4} p99 {p99:.4} largest {:.4}, {rest} at rest, {late} late, {limited} limited, smoothing {smoothing:.4}",
+            model.id,
+            all.len(),
+            quantile(&all, 1.0)
+        );
+        assert!(median < 0.02 && p99 < 0.06, "{}: {median} {p99}", model.id);
+    }
+}
+
+#[test]
+fn wild_chunks_keep_every_limit_and_give_the_same_bits_again() {
+    let (sessions, first) = (number("RPI_CHUNK_SESSIONS", 100), number("RPI_SEED", 1));
+    for model in ARMS {
+        for seed in first..first + sessions.div_ceil(3) {
+            let kind = wild(&mut Random::new(seed));
+            let outcome = Session::new(model, kind, seed).run();
+            check(&outcome, model, &kind, seed);
+            if seed % 10 == 0 {
+                let again = Session::new(model, kind, seed).run();
+                assert_eq!(outcome.digest, again.digest, "{} seed {seed}", model.id);
+            }
+        }
+    }
+}
