@@ -7,8 +7,8 @@ use rpi_kin::MAX_AXES;
 use rpi_kin::state_to_rest::{AxisState, Bounds};
 
 /// Durations of the decay that are tried, s.
-const DURATIONS: [f64; 11] = [
-    0.04, 0.06, 0.09, 0.13, 0.18, 0.25, 0.35, 0.5, 0.7, 1.0, 1.4,
+const DURATIONS: [f64; 14] = [
+    0.04, 0.06, 0.09, 0.13, 0.18, 0.25, 0.35, 0.5, 0.7, 1.0, 1.4, 2.0, 2.8, 4.0,
 ];
 
 /// Number of samples of a decay.
@@ -53,7 +53,8 @@ pub(super) fn plan(
             let time = duration * f64::from(k) / f64::from(SAMPLES) * (1.0 - 1e-9);
             let at = curve.at(law.position + law.velocity * time);
             for axis in (0..arm.axes()).filter(|axis| open[*axis]) {
-                is_within[axis] &= keeps(&bounds[axis], &at, axis, law.velocity, &decays[axis], time);
+                is_within[axis] &=
+                    keeps(&bounds[axis], &at, axis, law.velocity, &decays[axis], time);
             }
         }
         for axis in (0..arm.axes()).filter(|axis| is_within[*axis]) {

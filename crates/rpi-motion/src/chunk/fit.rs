@@ -219,7 +219,10 @@ mod tests {
                     at.third[3] + 8.0 * cosine,
                 ];
                 let within = off.iter().zip([1e-6, 1e-4, 1e-2, 0.3]);
-                assert!(within.clone().all(|(off, most)| off.abs() < most), "{off:?}");
+                assert!(
+                    within.clone().all(|(off, most)| off.abs() < most),
+                    "{off:?}"
+                );
             }
         }
     }

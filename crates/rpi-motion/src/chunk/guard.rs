@@ -168,7 +168,9 @@ mod tests {
             let mut worst = [0.0f64; 4];
             for k in 0..200_000 {
                 let jerk = if k % 5000 < 4000 { wanted(k) } else { 1e9 };
-                state = guard.next(state, if k % 9000 < 4500 { jerk } else { -jerk }).0;
+                state = guard
+                    .next(state, if k % 9000 < 4500 { jerk } else { -jerk })
+                    .0;
                 q.rotate_left(1);
                 q[3] = state.position;
                 let d = [q[1] - q[0], q[2] - q[1], q[3] - q[2]];

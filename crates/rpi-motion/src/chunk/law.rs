@@ -14,9 +14,7 @@ use rpi_kin::MAX_AXES;
 use rpi_kin::state_to_rest::{AxisState, Bounds};
 
 /// Durations of the stop from the rate 1 that are tried, s.
-const STOPS: [f64; 11] = [
-    0.1, 0.15, 0.2, 0.3, 0.4, 0.55, 0.75, 1.0, 1.4, 2.0, 3.0,
-];
+const STOPS: [f64; 11] = [0.1, 0.15, 0.2, 0.3, 0.4, 0.55, 0.75, 1.0, 1.4, 2.0, 3.0];
 
 /// Number of samples of a stop.
 const SAMPLES: u32 = 24;
@@ -69,17 +67,15 @@ impl Rates {
     }
 
     /// Returns the smallest rate between the times `from` and `to` (s), and the limit that binds there; `None` at the rate 1.
-    pub(super) fn between(
-        &self,
-        curve: &Curve,
-        from: f64,
-        to: f64,
-    ) -> (f64, Option<BindingLimit>) {
+    pub(super) fn between(&self, curve: &Curve, from: f64, to: f64) -> (f64, Option<BindingLimit>) {
         let (first, last) = (curve.place(from).0, curve.place(to).0);
         let ahead = self.spans.get(first..=last).unwrap_or_default();
-        ahead.iter().fold((1.0, None), |least, rate| {
-            if rate.0 < least.0 { *rate } else { least }
-        })
+        ahead.iter().fold(
+            (1.0, None),
+            |least, rate| {
+                if rate.0 < least.0 { *rate } else { least }
+            },
+        )
     }
 }
 
@@ -206,10 +202,5 @@ impl TimeLaw {
         if let Ok(plan) = plan {
             self.state = plan.axes()[0].state_at(period);
         }
-    }
-
-    /// Returns true if the time of the curve stands.
-    pub(super) fn is_standing(&self) -> bool {
-        self.state.velocity.abs() < STANDING && self.state.acceleration.abs() < STANDING
     }
 }

@@ -33,6 +33,10 @@ const LEAST_RATE: f64 = 0.05;
 /// Deviations of position (rad), velocity (rad/s) and acceleration (rad/s²) up to which a linear feedback corrects them.
 const LINEAR: [f64; 3] = [1e-6, 1e-4, 1e-2];
 
+/// Differences of position (rad), velocity (rad/s) and acceleration (rad/s²) from a state of rest that end at once. The change
+/// of the jerk is far below every limit.
+const RESTING: [f64; 3] = [1e-11, 1e-9, 1e-6];
+
 /// Rate of the linear feedback as a share of the rate of the set-points.
 const FEEDBACK: f64 = 0.1;
 
@@ -163,7 +167,8 @@ impl ChunkMotion {
         for (axis, limits) in self.arm.limits().iter().enumerate() {
             self.bounds[axis] = Bounds {
                 speed: PLANNED * requested.speed.min(USED_SHARE * limits.velocity),
-                acceleration: PLANNED * requested.acceleration.min(USED_SHARE * limits.acceleration),
+                acceleration: PLANNED
+                    * requested.acceleration.min(USED_SHARE * limits.acceleration),
                 jerk: PLANNED * requested.jerk.min(USED_JERK_SHARE * limits.jerk),
             };
         }
@@ -208,7 +213,8 @@ impl ChunkMotion {
                 true => self.law.state.position,
                 false => self.now,
             };
-            self.pending.prepare(&self.arm, &self.bounds, &self.ranges, at);
+            self.pending
+                .prepare(&self.arm, &self.bounds, &self.ranges, at);
         }
         self.now += share * self.period;
         let next = match self.curve.is_empty() {
@@ -255,7 +261,9 @@ impl ChunkMotion {
     /// stop before the last row.
     fn entry_rate(&self, share: f64) -> f64 {
         let (at, end) = (self.law.state.position, self.curve.end());
-        let allowed = self.rates.between(&self.curve, at, at + self.law.stop_length(1.0));
+        let allowed = self
+            .rates
+            .between(&self.curve, at, at + self.law.stop_length(1.0));
         let mut rate = share * allowed.0;
         for _ in 0..20 {
             if self.law.stop_length(rate) <= end - at {
@@ -312,6 +320,11 @@ impl ChunkMotion {
             let (state, limit) = self.guards[axis].next(self.state[axis], jerk);
             next[axis] = state;
             self.limit = limit.map(|kind| (axis, kind)).or(self.limit);
+            // The feedback alone would take forever to come to rest.
+            let left = difference(&state, &reference[axis]);
+            if rests(&reference[axis]) && is_within(&left, RESTING) {
+                next[axis] = reference[axis];
+            }
         }
         next
     }
@@ -328,14 +341,13 @@ impl ChunkMotion {
 
     /// Returns the jerk (rad/s³), beside that of curve and decay, that leads an axis with this difference back to them.
     fn correction(&self, axis: usize, error: AxisState) -> f64 {
-        let values = [error.position, error.velocity, error.acceleration];
-        let is_linear = values
-            .iter()
-            .zip(LINEAR)
-            .all(|(value, most)| value.abs() <= most);
-        if is_linear {
+        if is_within(&error, LINEAR) {
             let rate = FEEDBACK / self.period;
-            let [position, velocity, acceleration] = values;
+            let AxisState {
+                position,
+                velocity,
+                acceleration,
+            } = error;
             return -rate * (rate * (rate * position + 3.0 * velocity) + 3.0 * acceleration);
         }
         let limits = [AxisLimits::from(self.left[axis])];
@@ -358,21 +370,24 @@ impl ChunkMotion {
         let deviations = axes
             .clone()
             .map(|axis| (self.state[axis].position - on_curve[axis]).abs());
-        let rests = |axis: usize| {
-            let state = &self.state[axis];
-            state.velocity.abs() < 1e-9 && state.acceleration.abs() < 1e-6
-        };
         let at = self.law.state.position;
-        let is_waiting = self.curve.is_empty() || self.law.is_standing();
         ChunkSetPoint {
             state: self.state(),
             deviation: deviations.fold(0.0, f64::max),
-            lag: if self.curve.is_empty() { 0.0 } else { self.now - at },
+            lag: if self.curve.is_empty() {
+                0.0
+            } else {
+                self.now - at
+            },
             smoothing: self.smoothing,
-            remaining: if self.curve.is_empty() { 0.0 } else { self.curve.end() - at },
+            remaining: if self.curve.is_empty() {
+                0.0
+            } else {
+                self.curve.end() - at
+            },
             is_late: self.is_late,
             limit: self.limit,
-            at_rest: is_waiting && axes.clone().all(rests),
+            at_rest: axes.clone().all(|axis| rests(&self.state[axis])),
         }
     }
 
@@ -401,16 +416,26 @@ impl ChunkMotion {
     }
 }
 
+fn rests(state: &AxisState) -> bool {
+    state.velocity == 0.0 && state.acceleration == 0.0
+}
+
+/// Returns true if position (rad), velocity (rad/s) and acceleration (rad/s²) of a difference are at most `most`.
+fn is_within(difference: &AxisState, most: [f64; 3]) -> bool {
+    let AxisState {
+        position,
+        velocity,
+        acceleration,
+    } = difference;
+    position.abs() <= most[0] && velocity.abs() <= most[1] && acceleration.abs() <= most[2]
+}
+
 fn guards(arm: &Arm, ranges: &Ranges, period: f64) -> [Guard; MAX_AXES] {
     let limits = arm.limits();
     core::array::from_fn(|axis| {
         let limits = limits.get(axis).or(limits.first());
         let nothing = rpi_kin::AxisLimits::from_radians(-1.0, 1.0, 1.0);
-        Guard::new(
-            limits.copied().unwrap_or(nothing),
-            ranges[axis],
-            period,
-        )
+        Guard::new(limits.copied().unwrap_or(nothing), ranges[axis], period)
     })
 }
 

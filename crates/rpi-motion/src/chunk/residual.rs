@@ -29,14 +29,16 @@ impl Residual {
         let b = start.velocity * duration + 3.0 * a;
         let c = (start.acceleration * duration * duration - 6.0 * a + 6.0 * b) / 2.0;
         Self {
-            coefficients: [a, b - 3.0 * a, c - 3.0 * b + 3.0 * a, 3.0 * b - 3.0 * c - a, 3.0 * c - b, -c],
+            coefficients: [
+                a,
+                b - 3.0 * a,
+                c - 3.0 * b + 3.0 * a,
+                3.0 * b - 3.0 * c - a,
+                3.0 * c - b,
+                -c,
+            ],
             duration,
         }
-    }
-
-    /// Returns the duration of the decay, s.
-    pub(super) fn duration(&self) -> f64 {
-        self.duration
     }
 
     /// Returns the difference `time` seconds (not negative) after its start; 0 after the duration.

@@ -117,3 +117,88 @@ fn wild_chunks_keep_every_limit_and_give_the_same_bits_again() {
         }
     }
 }
+
+/// Time in which every axis of an arm can stop from its highest velocity, s.
+fn braking_time(model: &ArmModel) -> f64 {
+    let of_axis = |limits: &rpi_kin::AxisLimits| {
+        limits.velocity / limits.acceleration + limits.acceleration / limits.jerk
+    };
+    model.limits.iter().map(of_axis).fold(0.0, f64::max)
+}
+
+/// Chunks of 1 s, with delays up to 0.8 s: some come after the last row of the one before.
+const OFTEN_LATE: Kind = Kind {
+    chunks: 200,
+    ask: 0.5,
+    period: 0.02,
+    rows: 50,
+    delay: (0.02, 0.8),
+    noise: 5e-5,
+    offset: 2e-3,
+    with_velocities: false,
+    is_wild: false,
+};
+
+#[test]
+fn two_hundred_chunks_with_long_delays_keep_every_limit_and_give_the_same_bits_again() {
+    for model in ARMS {
+        let outcome = Session::new(model, OFTEN_LATE, 7).run();
+        check(&outcome, model, &OFTEN_LATE, 7);
+        let mut errors = outcome.errors.clone();
+        errors.sort_by(f64::total_cmp);
+        println!(
+            "{}: {} cycles, {} late, {} at rest, error median {:.4}",
+            model.id,
+            errors.len(),
+            outcome.late,
+            outcome.at_rest,
+            quantile(&errors, 0.5)
+        );
+        assert!(
+            outcome.late > 0 && outcome.at_rest < outcome.late,
+            "{}",
+            model.id
+        );
+        let again = Session::new(model, OFTEN_LATE, 7).run();
+        assert_eq!(outcome.digest, again.digest, "{}", model.id);
+    }
+}
+
+#[test]
+fn a_late_chunk_stops_the_arm_on_its_path_and_the_next_one_moves_it_on() {
+    for model in ARMS {
+        for seed in 0..20 {
+            let kind = Kind {
+                offset: 0.0,
+                ..tracked(&mut Random::new(seed))
+            };
+            let mut session = Session::new(model, kind, seed);
+            session.run_chunks(6);
+            let mut remaining = session.cycle(true).remaining;
+            let mut cycles = 0.0;
+            let at = loop {
+                let at = session.cycle(true);
+                cycles += 1.0;
+                assert!(at.deviation < 1e-3, "{} seed {seed}: {at:?}", model.id);
+                // The time of the curve never passes faster than real time, nor beyond the last row.
+                assert!(at.remaining <= remaining && at.remaining >= -1e-9, "{at:?}");
+                remaining = at.remaining;
+                if at.at_rest {
+                    break at;
+                }
+                assert!(cycles < 1e4, "{} seed {seed} does not stop", model.id);
+            };
+            assert!(at.is_late && at.remaining < 1e-6, "{at:?}");
+            let longest = kind.horizon() + braking_time(model);
+            assert!(
+                cycles * watch::PERIOD <= longest,
+                "{} {seed} {cycles}",
+                model.id
+            );
+            session.run_chunks(6);
+            let error = session.error();
+            assert!(error < 0.06, "{} seed {seed}: {error}", model.id);
+            assert!(session.watch.is_within(), "{:?}", session.watch.worst);
+        }
+    }
+}

@@ -52,7 +52,9 @@ impl Policy {
                 .min(ask * limits.velocity / sums[1])
                 .min(ask * limits.acceleration / sums[2])
                 .min(ask * limits.jerk / sums[3]);
-            policy.terms[axis].iter_mut().for_each(|term| term.0 *= scale);
+            policy.terms[axis]
+                .iter_mut()
+                .for_each(|term| term.0 *= scale);
         }
         policy
     }

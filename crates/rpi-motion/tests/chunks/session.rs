@@ -107,7 +107,11 @@ impl Session {
     pub(crate) fn run(mut self) -> Outcome {
         for number in 0..self.kind.chunks {
             self.send();
-            while self.sent.as_ref().is_some_and(|sent| self.time < sent.arrives) {
+            while self
+                .sent
+                .as_ref()
+                .is_some_and(|sent| self.time < sent.arrives)
+            {
                 self.cycle(number > 0);
             }
             self.receive();
@@ -159,7 +163,10 @@ impl Session {
             u if u < 0.03 => sent.positions[at] = f64::NAN,
             u if u < 0.06 => sent.positions[at..].iter_mut().for_each(|x| *x += 1.0),
             u if u < 0.09 => sent.positions.iter_mut().for_each(|x| *x *= 3.0),
-            u if u < 0.12 => sent.positions.iter_mut().for_each(|x| *x += self.random.between(-0.3, 0.3)),
+            u if u < 0.12 => sent
+                .positions
+                .iter_mut()
+                .for_each(|x| *x += self.random.between(-0.3, 0.3)),
             u if u < 0.14 => sent.velocities[at] = 1e5,
             u if u < 0.16 => sent.positions.truncate(at),
             _ => {}
@@ -194,14 +201,18 @@ impl Session {
         self.outcome.rejected += usize::from(taken.is_err());
         if self.kind.is_wild {
             self.controls = Controls {
-                speed_share: if self.random.unit() < 0.1 { self.random.unit() } else { 1.0 },
+                speed_share: if self.random.unit() < 0.1 {
+                    self.random.unit()
+                } else {
+                    1.0
+                },
                 paused: self.random.unit() < 0.05,
             };
         }
     }
 
     /// One cycle. `is_counted` is true once a chunk has come.
-    fn cycle(&mut self, is_counted: bool) -> ChunkSetPoint {
+    pub(crate) fn cycle(&mut self, is_counted: bool) -> ChunkSetPoint {
         let controls = self.controls;
         let at = no_alloc(|| self.motion.next_set_point(controls));
         self.time += PERIOD;
@@ -224,23 +235,15 @@ impl Session {
         at
     }
 
-    /// Runs without further chunks until the arm rests, at most `cycles` cycles. Returns the number of cycles and the last
-    /// set-point.
-    pub(crate) fn run_out(&mut self, cycles: usize) -> (usize, ChunkSetPoint) {
-        let mut at = self.cycle(true);
-        let mut count = 1;
-        while !(at.at_rest && at.is_late) && count < cycles {
-            at = self.cycle(true);
-            count += 1;
-        }
-        (count, at)
-    }
-
     /// Runs for `chunks` chunks, and returns once the last one has come into force.
     pub(crate) fn run_chunks(&mut self, chunks: usize) {
         for number in 0..chunks {
             self.send();
-            while self.sent.as_ref().is_some_and(|sent| self.time < sent.arrives) {
+            while self
+                .sent
+                .as_ref()
+                .is_some_and(|sent| self.time < sent.arrives)
+            {
                 self.cycle(number > 0);
             }
             self.receive();
@@ -248,5 +251,10 @@ impl Session {
         while self.motion.is_preparing() {
             self.cycle(true);
         }
+    }
+
+    /// Distance of the last set-point from the curve of the policy, rad.
+    pub(crate) fn error(&self) -> f64 {
+        self.outcome.errors.last().copied().unwrap_or(f64::NAN)
     }
 }
