@@ -126,6 +126,19 @@ impl Curve {
         point
     }
 
+    /// Returns the position at a time (s), which is limited to the times of the rows, rad.
+    pub(super) fn position(&self, time: f64) -> Joints {
+        let (span, share) = self.place(time);
+        let mut position = Joints::default();
+        if let Some(near) = self.coefficients.get(span..=span + DEGREE) {
+            let weights = Weights::at(share).quintic;
+            for (axis, value) in position.iter_mut().enumerate() {
+                *value = dot(&weights, &core::array::from_fn(|k| near[k][axis]));
+            }
+        }
+        position
+    }
+
     /// Returns bounds of the derivatives between the times `from` and `to` (s).
     pub(super) fn bounds(&self, from: f64, to: f64) -> DerivativeBounds {
         let (first, last) = (self.place(from).0, self.place(to).0 + DEGREE);

@@ -12,7 +12,7 @@ const DURATIONS: [f64; 14] = [
 ];
 
 /// Number of samples of a decay.
-const SAMPLES: u32 = 24;
+const SAMPLES: u32 = 16;
 
 /// Differences of position (rad), velocity (rad/s) and acceleration (rad/s²) that need no decay of their own.
 const SMALL: [f64; 3] = [1e-9, 1e-7, 1e-5];

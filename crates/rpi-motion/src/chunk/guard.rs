@@ -1,4 +1,4 @@
-//! Guard of one axis: keeps velocity, acceleration, jerk and range in every period, whatever is asked.
+//! Guard of one axis: keeps velocity, acceleration, jerk and range in every period, for any wanted jerk.
 //!
 //! The state of an axis is *safe* if the axis could brake from it, with maximum jerk, without exceeding its limits or leaving
 //! its range. The jerks of a period that lead to a safe state form an interval, because both the velocity that is reached once
@@ -44,7 +44,7 @@ impl Guard {
     /// Creates the guard of an axis with its limits and the range that it keeps (rad); `period` is the time between two
     /// set-points, s.
     pub(super) fn new(limits: AxisLimits, range: Range, period: f64) -> Self {
-        // An axis must be able to give up its acceleration in a period.
+        // One period must suffice to reduce the acceleration to 0.
         let limits = AxisLimits {
             jerk: limits.jerk.min(limits.acceleration / period),
             ..limits

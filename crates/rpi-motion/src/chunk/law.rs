@@ -17,7 +17,7 @@ use rpi_kin::state_to_rest::{AxisState, Bounds};
 const STOPS: [f64; 11] = [0.1, 0.15, 0.2, 0.3, 0.4, 0.55, 0.75, 1.0, 1.4, 2.0, 3.0];
 
 /// Number of samples of a stop.
-const SAMPLES: u32 = 24;
+const SAMPLES: u32 = 18;
 
 /// Shares of acceleration and jerk that a steady rate may use. The rest is for changes of the rate.
 const STEADY_ACCELERATION: f64 = 0.85;
@@ -89,16 +89,21 @@ fn rate_on(
     let most = curve.bounds(middle, middle);
     let mut rate = (1.0, None);
     for (axis, bounds) in bounds.iter().enumerate().take(arm.axes()) {
-        let acceleration = STEADY_ACCELERATION * bounds.acceleration / most.second[axis];
         let of_kind = [
             (bounds.speed / most.first[axis], LimitKind::Velocity),
-            (libm::sqrt(acceleration), LimitKind::Acceleration),
             (
-                libm::cbrt(STEADY_JERK * bounds.jerk / most.third[axis]),
-                LimitKind::Jerk,
+                STEADY_ACCELERATION * bounds.acceleration / most.second[axis],
+                LimitKind::Acceleration,
             ),
+            (STEADY_JERK * bounds.jerk / most.third[axis], LimitKind::Jerk),
         ];
-        for (allowed, kind) in of_kind {
+        // The roots are computed only where they bind.
+        for (share, kind) in of_kind.into_iter().filter(|(share, _)| *share < 1.0) {
+            let allowed = match kind {
+                LimitKind::Acceleration => libm::sqrt(share),
+                LimitKind::Jerk => libm::cbrt(share),
+                LimitKind::Velocity | LimitKind::Range => share,
+            };
             if allowed < rate.0 {
                 rate = (allowed, Some((axis, kind)));
             }
@@ -107,35 +112,38 @@ fn rate_on(
     rate
 }
 
-/// Time of the curve with its rate: position (s), velocity (no unit) and acceleration (1/s).
+/// Bounds of the second and third derivative of the time of the curve, 1/s and 1/s².
 #[derive(Clone, Copy, Debug)]
-pub(super) struct TimeLaw {
-    pub(super) state: AxisState,
-    /// Bounds of the second and third derivative of the time of the curve, 1/s and 1/s².
+pub(super) struct RateBounds {
     acceleration: f64,
     jerk: f64,
 }
 
-impl TimeLaw {
-    /// Creates a time law that stands at the time 0.
-    pub(super) fn standing() -> Self {
+/// Time of the curve with its rate: position (s), velocity (no unit) and acceleration (1/s).
+#[derive(Clone, Copy, Debug)]
+pub(super) struct TimeLaw {
+    pub(super) state: AxisState,
+    pub(super) bounds: RateBounds,
+}
+
+impl RateBounds {
+    /// Returns the bounds with which a stop from the rate 1 takes `duration` seconds. The rate changes along a double S with
+    /// ramps of a third of the duration.
+    fn of_stop(duration: f64) -> Self {
+        let acceleration = 1.5 / duration;
         Self {
-            state: AxisState::default(),
-            acceleration: 1.0,
-            jerk: 1.0,
+            acceleration,
+            jerk: 3.0 * acceleration / duration,
         }
     }
 
-    /// Chooses the fastest stop at the end of a curve that keeps the `bounds` of all axes.
-    pub(super) fn fit_stop(&mut self, arm: &Arm, bounds: &[Bounds; MAX_AXES], curve: &Curve) {
-        for duration in STOPS {
-            // The rate changes along a double S with ramps of a third of the duration.
-            self.acceleration = 1.5 / duration;
-            self.jerk = 3.0 * self.acceleration / duration;
-            if self.is_stop_within(arm, bounds, curve, duration) {
-                return;
-            }
-        }
+    /// Returns the bounds of the fastest stop at the end of a curve that keeps the `bounds` of all axes.
+    pub(super) fn fit(arm: &Arm, bounds: &[Bounds; MAX_AXES], curve: &Curve) -> Self {
+        let is_within = |duration: &f64| {
+            Self::of_stop(*duration).is_stop_within(arm, bounds, curve, *duration)
+        };
+        let longest = STOPS[STOPS.len() - 1];
+        Self::of_stop(STOPS.into_iter().find(is_within).unwrap_or(longest))
     }
 
     fn is_stop_within(
@@ -171,10 +179,20 @@ impl TimeLaw {
             })
         })
     }
+}
+
+impl TimeLaw {
+    /// Creates a time law that stands at the time 0.
+    pub(super) fn standing() -> Self {
+        Self {
+            state: AxisState::default(),
+            bounds: RateBounds::of_stop(1.0),
+        }
+    }
 
     /// Returns by how much the time of the curve passes during a stop from the rate `rate`, s.
     pub(super) fn stop_length(&self, rate: f64) -> f64 {
-        let (most, jerk) = (self.acceleration, self.jerk);
+        let (most, jerk) = (self.bounds.acceleration, self.bounds.jerk);
         let duration = match rate * jerk >= most * most {
             true => rate / most + most / jerk,
             false => 2.0 * libm::sqrt(rate.max(0.0) / jerk),
@@ -186,8 +204,8 @@ impl TimeLaw {
     pub(super) fn advance(&mut self, rate: f64, end: f64, period: f64) {
         let limits = [AxisLimits::from(Bounds {
             speed: rate.max(STANDING),
-            acceleration: self.acceleration,
-            jerk: self.jerk,
+            acceleration: self.bounds.acceleration,
+            jerk: self.bounds.jerk,
         })];
         let goal = [AxisState {
             position: end,

@@ -6,7 +6,7 @@ use super::guard::Guard;
 use super::law::{BindingLimit, Rates, TimeLaw};
 use super::pending::Pending;
 use super::residual::Residual;
-use super::rows::{ChunkRows, InForce};
+use super::rows::{ChunkRows, InForce, RowTimes};
 use super::{ChunkError, ChunkOptions};
 use crate::node::{USED_JERK_SHARE, USED_SHARE};
 use crate::online::{AxisLimits, MotionOptions, OnlineMotion};
@@ -159,6 +159,7 @@ impl ChunkMotion {
         (self.previous, self.reference) = (self.state, self.state);
         self.curve.reset(0, 0.0, 1.0);
         self.pending.drop_chunk();
+        self.pending.times = RowTimes::default();
         (self.now, self.law, self.smoothing) = (0.0, TimeLaw::standing(), 0.0);
         Ok(())
     }
@@ -192,6 +193,18 @@ impl ChunkMotion {
             axes: self.arm.axes(),
         };
         self.pending.accept(&in_force, chunk, options, &self.ranges)
+    }
+
+    /// Returns the row of the newest chunk, counted from 0, whose time has come: where values that go with the joint positions,
+    /// such as the width of a gripper, are to be read. 0 without a chunk.
+    #[must_use]
+    pub fn row(&self) -> usize {
+        let is_overlapping = self.is_preparing() && !self.pending.is_appended;
+        let time = match is_overlapping {
+            true => self.now,
+            false => self.law.state.position,
+        };
+        self.pending.times.row_at(time)
     }
 
     /// Returns true while a chunk is in preparation.
@@ -228,9 +241,8 @@ impl ChunkMotion {
     /// Brings the prepared chunk into force.
     fn enter(&mut self, share: f64) {
         let was_empty = self.curve.is_empty();
-        self.pending.exchange(&mut self.curve, &mut self.rates);
+        self.law.bounds = self.pending.exchange(&mut self.curve, &mut self.rates);
         self.smoothing = self.pending.deviation + self.pending.outside;
-        self.law.fit_stop(&self.arm, &self.bounds, &self.curve);
         if self.pending.is_appended {
             self.now = self.law.state.position;
         } else if was_empty || (self.law.state.position - self.now).abs() > 1e-9 {

@@ -2,8 +2,8 @@
 
 use super::curve::Curve;
 use super::fit::{Fit, Rows};
-use super::law::Rates;
-use super::rows::{ChunkRows, InForce, combine};
+use super::law::{RateBounds, Rates, TimeLaw};
+use super::rows::{ChunkRows, InForce, RowTimes, combine};
 use super::{ChunkError, ChunkOptions, Seam};
 use crate::Arm;
 use crate::ranges::Ranges;
@@ -27,6 +27,8 @@ enum Stage {
     Trying(u32),
     /// The next cycle takes this degree, the strongest one with a permitted deviation.
     Returning(u32),
+    /// The next cycle chooses the stop at the last row.
+    Stopping,
     Ready,
 }
 
@@ -35,11 +37,14 @@ enum Stage {
 pub(super) struct Pending {
     rows: Rows,
     fit: Fit,
-    pub(super) curve: Curve,
-    pub(super) rates: Rates,
+    curve: Curve,
+    rates: Rates,
+    stop: RateBounds,
     stage: Stage,
     most: f64,
     pub(super) is_appended: bool,
+    /// Times of the rows of the newest chunk.
+    pub(super) times: RowTimes,
     /// Largest deviation of the curve from a row, rad.
     pub(super) deviation: f64,
     /// Largest distance of a row from the ranges of the axes, rad.
@@ -53,9 +58,11 @@ impl Pending {
             fit: Fit::new(),
             curve: Curve::empty(),
             rates: Rates::empty(),
+            stop: TimeLaw::standing().bounds,
             stage: Stage::Idle,
             most: 0.0,
             is_appended: false,
+            times: RowTimes::default(),
             deviation: 0.0,
             outside: 0.0,
         }
@@ -91,8 +98,17 @@ impl Pending {
         }
         // An error leaves nothing in preparation: the rows of a chunk in preparation are overwritten.
         self.stage = Stage::Idle;
-        self.outside = combine(in_force, chunk, count, options, ranges, &mut self.rows)?;
-        self.is_appended = options.seam == Seam::Append && !in_force.curve.is_empty();
+        let is_appended = options.seam == Seam::Append && !in_force.curve.is_empty();
+        let times = RowTimes {
+            zero: match is_appended {
+                true => in_force.curve.end() + chunk.period,
+                false => in_force.now - chunk.age,
+            },
+            period: chunk.period,
+            count,
+        };
+        self.outside = combine(in_force, chunk, &times, options, ranges, &mut self.rows)?;
+        (self.is_appended, self.times) = (is_appended, times);
         self.most = options.smoothing;
         self.stage = Stage::Trying(0);
         Ok(())
@@ -110,6 +126,11 @@ impl Pending {
         let (degree, is_last) = match self.stage {
             Stage::Trying(degree) => (degree, degree + 1 == DEGREES),
             Stage::Returning(degree) => (degree, true),
+            Stage::Stopping => {
+                self.stop = RateBounds::fit(arm, bounds, &self.curve);
+                self.stage = Stage::Ready;
+                return;
+            }
             Stage::Idle | Stage::Ready => return,
         };
         let smoothing = (0..degree).fold(WEAKEST, |smoothing, _| FACTOR * smoothing);
@@ -121,16 +142,17 @@ impl Pending {
             Stage::Trying(_) if self.deviation > self.most && degree > 0 => {
                 Stage::Returning(degree - 1)
             }
-            _ if slowest >= 1.0 || is_last => Stage::Ready,
-            _ if self.deviation > self.most => Stage::Ready,
+            _ if slowest >= 1.0 || is_last => Stage::Stopping,
+            _ if self.deviation > self.most => Stage::Stopping,
             _ => Stage::Trying(degree + 1),
         };
     }
 
-    /// Exchanges the prepared curve and its rates for those in force.
-    pub(super) fn exchange(&mut self, curve: &mut Curve, rates: &mut Rates) {
+    /// Exchanges the prepared curve and its rates for those in force. Returns the bounds of the rate.
+    pub(super) fn exchange(&mut self, curve: &mut Curve, rates: &mut Rates) -> RateBounds {
         core::mem::swap(curve, &mut self.curve);
         core::mem::swap(rates, &mut self.rates);
         self.stage = Stage::Idle;
+        self.stop
     }
 }

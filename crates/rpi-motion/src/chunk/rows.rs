@@ -66,6 +66,25 @@ impl ChunkRows<'_> {
 /// Bound of the magnitude of the numbers of a chunk.
 const LARGEST: f64 = 1e6;
 
+/// Times of the rows of a chunk.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct RowTimes {
+    /// Time of the first row and time between two rows, s.
+    pub(super) zero: f64,
+    pub(super) period: f64,
+    /// Number of rows.
+    pub(super) count: usize,
+}
+
+impl RowTimes {
+    /// Returns the number of the last row, from 0, whose time has come at `time` (s); the first one before that.
+    pub(super) fn row_at(&self, time: f64) -> usize {
+        // A time that is a multiple of the period but for rounding counts as one. A cast of NaN is 0.
+        let rows = (time - self.zero) / self.period + 1e-6;
+        (rows.max(0.0) as usize).min(self.count.saturating_sub(1))
+    }
+}
+
 /// Curve that is in force, with its present time (s) and the number of axes of the arm.
 pub(super) struct InForce<'a> {
     pub(super) curve: &'a Curve,
@@ -76,7 +95,7 @@ pub(super) struct InForce<'a> {
     pub(super) axes: usize,
 }
 
-/// Combines a new chunk of `count` rows with the previous one to `rows`, within `ranges` (rad). Returns the largest distance
+/// Combines a new chunk with rows at `times` with the previous one to `rows`, within `ranges` (rad). Returns the largest distance
 /// of a new row from the ranges, rad.
 ///
 /// # Errors
@@ -84,16 +103,19 @@ pub(super) struct InForce<'a> {
 pub(super) fn combine(
     in_force: &InForce<'_>,
     chunk: &ChunkRows<'_>,
-    count: usize,
+    times: &RowTimes,
     options: &ChunkOptions,
     ranges: &Ranges,
     rows: &mut Rows,
 ) -> Result<f64, ChunkError> {
-    let is_appended = options.seam == Seam::Append && !in_force.curve.is_empty();
-    let period = chunk.period;
-    let (zero, present) = match is_appended {
-        true => (in_force.curve.end() + period, in_force.at),
-        false => (in_force.now - chunk.age, in_force.now),
+    let RowTimes {
+        zero,
+        period,
+        count,
+    } = *times;
+    let present = match options.seam {
+        Seam::Append if !in_force.curve.is_empty() => in_force.at,
+        _ => in_force.now,
     };
     let behind = libm::floor((present - zero) / period) - ROWS_BEHIND;
     let first = match in_force.curve.is_empty() {
@@ -111,8 +133,12 @@ pub(super) fn combine(
     let mut outside = 0.0f64;
     for k in 0..left as usize {
         let number = first + k as f64;
-        let old = old_row(in_force.curve, zero + number * period);
         let row = (number >= 0.0).then_some(number as usize);
+        let is_new = row.is_some_and(|row| row >= options.frozen_rows);
+        let old = match is_new && options.previous_weight == 0.0 {
+            true => None,
+            false => old_row(in_force.curve, zero + number * period),
+        };
         let (position, velocity) = mixed(in_force.axes, chunk, row, old, options);
         let mut inside = position;
         for (joint, range) in inside.iter_mut().zip(ranges) {
@@ -130,7 +156,7 @@ fn old_row(curve: &Curve, time: f64) -> Option<Joints> {
     let slack = 1e-6;
     let is_known =
         !curve.is_empty() && time >= curve.start() - slack && time <= curve.end() + slack;
-    is_known.then(|| curve.at(time).position)
+    is_known.then(|| curve.position(time))
 }
 
 /// Returns the weighted mean of a row of the new chunk and of the previous curve, with the velocities if the row is a new one
