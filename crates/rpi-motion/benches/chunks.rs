@@ -15,6 +15,7 @@ use rpi_kin::state_to_rest::Bounds;
 use rpi_kin::{ArmModel, Pose, models};
 use rpi_motion::chunk::{ChunkMotion, ChunkOptions, ChunkRows};
 use rpi_motion::{Arm, Controls, JointState, Joints};
+use std::time::Instant;
 use xorshift::Random;
 
 const PERIOD: f64 = 1e-3;
@@ -58,9 +59,7 @@ fn session(model: &'static ArmModel, seed: u64, longest_delay: f64) -> Session {
         time += random.between(0.02, longest_delay);
         let row = |k: usize| {
             let place = policy.at(observed + period * k as f64).0;
-            core::array::from_fn(|axis| {
-                place[axis] + offset[axis] + random.between(-5e-4, 5e-4)
-            })
+            core::array::from_fn(|axis| place[axis] + offset[axis] + random.between(-5e-4, 5e-4))
         };
         Chunk {
             observed,
@@ -100,7 +99,10 @@ fn sampled(session: &Session, at: fn(&Chunk, f64) -> Joints) -> Vec<Joints> {
             let time = begin + k as f64 * PERIOD;
             let chunk = session.newest(time);
             let last = (chunk.rows.len() - 1) as f64;
-            at(chunk, ((time - chunk.observed) / chunk.period).clamp(0.0, last))
+            at(
+                chunk,
+                ((time - chunk.observed) / chunk.period).clamp(0.0, last),
+            )
         })
         .collect()
 }
@@ -150,6 +152,11 @@ fn bends(rows: &[Joints], axis: usize) -> Vec<f64> {
 }
 
 fn ours(session: &Session) -> Vec<Joints> {
+    followed(session).into_iter().map(|cycle| cycle.0).collect()
+}
+
+/// Set-points of our motion, each with the time that its cycle took, s.
+fn followed(session: &Session) -> Vec<(Joints, f64)> {
     let unbounded = Bounds {
         speed: 1e6,
         acceleration: 1e9,
@@ -166,9 +173,15 @@ fn ours(session: &Session) -> Vec<Joints> {
     let mut all = Vec::new();
     for k in 0..cycles {
         let time = begin + k as f64 * PERIOD;
+        let mut taken = 0.0;
         while let Some(chunk) = next.next_if(|chunk| chunk.arrives <= time + PERIOD / 2.0) {
             let axes = session.arm.axes();
-            let positions: Vec<f64> = chunk.rows.iter().flat_map(|row| &row[..axes]).copied().collect();
+            let positions: Vec<f64> = chunk
+                .rows
+                .iter()
+                .flat_map(|row| &row[..axes])
+                .copied()
+                .collect();
             let rows = ChunkRows {
                 period: chunk.period,
                 positions: &positions,
@@ -176,9 +189,13 @@ fn ours(session: &Session) -> Vec<Joints> {
                 age: (time - chunk.observed).max(0.0),
             };
             // A chunk that has passed when it arrives is refused; the arm then waits for the next one.
+            let start = Instant::now();
             let _ = motion.take(&rows, &ChunkOptions::default());
+            taken += start.elapsed().as_secs_f64();
         }
-        all.push(motion.next_set_point(Controls::default()).state.position);
+        let start = Instant::now();
+        let at = motion.next_set_point(Controls::default());
+        all.push((at.state.position, taken + start.elapsed().as_secs_f64()));
     }
     all
 }
@@ -268,6 +285,36 @@ fn latency(set_points: &[Joints], wanted: &[Joints], axes: usize) -> f64 {
     best.unwrap_or(0) as f64 * PERIOD
 }
 
+/// Prints the times of the cycles of our motion. Each session runs several times; the shortest time of each cycle counts,
+/// because other programs on the machine only make it longer.
+fn print_times() {
+    const RUNS: usize = 5;
+    println!(
+        "\nCycles of `ChunkMotion`:\n\n| arm | median | 99 of 100 | longest |\n|---|---:|---:|---:|"
+    );
+    for model in ARMS {
+        let mut times = Vec::new();
+        for seed in 0..5 {
+            let session = session(model, seed, 0.6);
+            let mut shortest: Vec<f64> = followed(&session).iter().map(|cycle| cycle.1).collect();
+            for _ in 1..RUNS {
+                let again = followed(&session);
+                for (shortest, (_, time)) in shortest.iter_mut().zip(again) {
+                    *shortest = shortest.min(time);
+                }
+            }
+            times.extend(shortest);
+        }
+        times.sort_by(f64::total_cmp);
+        let at = |share: f64| 1e6 * times[((times.len() - 1) as f64 * share) as usize];
+        let [median, high, longest] = [at(0.5), at(0.99), at(1.0)];
+        println!(
+            "| {} | {median:.1} µs | {high:.1} µs | {longest:.0} µs |",
+            model.display_name
+        );
+    }
+}
+
 const WAYS: [(&str, Way); 4] = [
     ("hold until next", held),
     ("linear interpolation", linear),
@@ -278,7 +325,10 @@ const WAYS: [(&str, Way); 4] = [
 fn main() {
     let sessions = std::env::var("RPI_CHUNK_SESSIONS")
         .map_or(20, |text| text.parse().expect("a number of sessions"));
-    for (title, longest_delay) in [("delays of 20 to 600 ms", 0.6), ("delays of 20 to 1100 ms", 1.1)] {
+    for (title, longest_delay) in [
+        ("delays of 20 to 600 ms", 0.6),
+        ("delays of 20 to 1100 ms", 1.1),
+    ] {
         println!("\nChunks of 1.2 s, {title}:\n");
         println!(
             "| way | peak jerk (of the limit) | over a limit | error, median (rad) | error, p99 (rad) | latency (ms) | at rest |"
@@ -295,4 +345,5 @@ fn main() {
             figures.print(name);
         }
     }
+    print_times();
 }

@@ -64,13 +64,21 @@ fn chunk(random: &mut Random) -> Vec<u64> {
     let mut place = random.joints(0.4);
     let mut positions = Vec::new();
     for _ in 0..ROWS {
-        place.iter_mut().for_each(|joint| *joint += random.between(-0.02, 0.02));
+        place
+            .iter_mut()
+            .for_each(|joint| *joint += random.between(-0.02, 0.02));
         positions.extend(place.iter().map(|joint| joint.to_bits()));
     }
     let number = random.between(1.0, 1e12) as u64;
     let (age, weight) = (random.between(0.0, 0.3), random.between(0.0, 0.9));
     let appended = u64::from(random.between(0.0, 1.0) < 0.2);
-    let mut slots = vec![number, ROWS as u64, 0.03f64.to_bits(), age.to_bits(), appended];
+    let mut slots = vec![
+        number,
+        ROWS as u64,
+        0.03f64.to_bits(),
+        age.to_bits(),
+        appended,
+    ];
     slots.extend([weight.to_bits(), 3, 0.01f64.to_bits(), 0]);
     slots.extend(&positions);
     // Velocities, which are not used.

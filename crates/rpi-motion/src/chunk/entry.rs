@@ -7,8 +7,9 @@ use rpi_kin::MAX_AXES;
 use rpi_kin::state_to_rest::{AxisState, Bounds};
 
 /// Durations of the decay that are tried, s.
-const DURATIONS: [f64; 14] = [
-    0.04, 0.06, 0.09, 0.13, 0.18, 0.25, 0.35, 0.5, 0.7, 1.0, 1.4, 2.0, 2.8, 4.0,
+const DURATIONS: [f64; 20] = [
+    0.04, 0.055, 0.075, 0.1, 0.125, 0.15, 0.18, 0.22, 0.27, 0.33, 0.4, 0.48, 0.58, 0.7, 0.85, 1.05,
+    1.4, 2.0, 2.8, 4.0,
 ];
 
 /// Number of samples of a decay.

@@ -13,8 +13,12 @@ use alloc::vec::Vec;
 use rpi_kin::MAX_AXES;
 use rpi_kin::state_to_rest::{AxisState, Bounds};
 
-/// Durations of the stop from the rate 1 that are tried, s.
-const STOPS: [f64; 11] = [0.1, 0.15, 0.2, 0.3, 0.4, 0.55, 0.75, 1.0, 1.4, 2.0, 3.0];
+/// Shortest duration of the stop from the rate 1, s.
+const SHORTEST_STOP: f64 = 0.08;
+
+/// Factor between two durations of the stop, and their number: up to 4 s.
+const STOP_FACTOR: f64 = 1.1;
+const STOPS: u32 = 41;
 
 /// Number of samples of a stop.
 const SAMPLES: u32 = 18;
@@ -95,7 +99,10 @@ fn rate_on(
                 STEADY_ACCELERATION * bounds.acceleration / most.second[axis],
                 LimitKind::Acceleration,
             ),
-            (STEADY_JERK * bounds.jerk / most.third[axis], LimitKind::Jerk),
+            (
+                STEADY_JERK * bounds.jerk / most.third[axis],
+                LimitKind::Jerk,
+            ),
         ];
         // The roots are computed only where they bind.
         for (share, kind) in of_kind.into_iter().filter(|(share, _)| *share < 1.0) {
@@ -137,13 +144,21 @@ impl RateBounds {
         }
     }
 
-    /// Returns the bounds of the fastest stop at the end of a curve that keeps the `bounds` of all axes.
+    /// Returns the bounds of a stop at the end of a curve that keeps the `bounds` of all axes: the fastest one, if every slower
+    /// one keeps them, too.
     pub(super) fn fit(arm: &Arm, bounds: &[Bounds; MAX_AXES], curve: &Curve) -> Self {
-        let is_within = |duration: &f64| {
-            Self::of_stop(*duration).is_stop_within(arm, bounds, curve, *duration)
-        };
-        let longest = STOPS[STOPS.len() - 1];
-        Self::of_stop(STOPS.into_iter().find(is_within).unwrap_or(longest))
+        let duration =
+            |step: u32| (0..step).fold(SHORTEST_STOP, |duration, _| STOP_FACTOR * duration);
+        let (mut low, mut high) = (0, STOPS);
+        while low < high {
+            let middle = u32::midpoint(low, high);
+            let time = duration(middle);
+            match Self::of_stop(time).is_stop_within(arm, bounds, curve, time) {
+                true => high = middle,
+                false => low = middle + 1,
+            }
+        }
+        Self::of_stop(duration(low))
     }
 
     fn is_stop_within(

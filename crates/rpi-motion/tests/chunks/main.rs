@@ -73,14 +73,14 @@ fn quantile(sorted: &[f64], share: f64) -> f64 {
     sorted[((sorted.len() - 1) as f64 * share) as usize]
 }
 
-#[test]
-fn a_policy_is_followed_closely() {
+/// Runs sessions of a policy on each arm, and checks the distances of the set-points from its curve.
+fn follow(name: &str, kind: fn(&mut Random) -> Kind) {
     let (sessions, first) = (number("RPI_CHUNK_SESSIONS", 100), number("RPI_SEED", 1));
     for model in ARMS {
         let mut all = Vec::new();
         let (mut rest, mut late, mut limited, mut smoothing) = (0, 0, 0, 0.0f64);
         for seed in first..first + sessions.div_ceil(3) {
-            let kind = tracked(&mut Random::new(seed));
+            let kind = kind(&mut Random::new(seed));
             let outcome = Session::new(model, kind, seed).run();
             check(&outcome, model, &kind, seed);
             rest += outcome.at_rest;
@@ -93,13 +93,30 @@ fn a_policy_is_followed_closely() {
         all.sort_by(f64::total_cmp);
         let (median, p99) = (quantile(&all, 0.5), quantile(&all, 0.99));
         println!(
-            "{}: {} cycles, error median {median:.4} p99 {p99:.4} largest {:.4}, {rest} at rest, {late} late, {limited} limited, smoothing {smoothing:.4}",
+            "{name}, {}: {} cycles, error median {median:.4} p99 {p99:.4} largest {:.4}, {rest} at rest, {late} late, {limited} limited, smoothing {smoothing:.4}",
             model.id,
             all.len(),
             quantile(&all, 1.0)
         );
         assert!(median < 0.02 && p99 < 0.06, "{}: {median} {p99}", model.id);
     }
+}
+
+#[test]
+fn a_policy_is_followed_closely() {
+    follow("any horizon", tracked);
+}
+
+/// Delays up to half of a horizon of 1 s: two of them in succession may be as long as the chunk.
+#[test]
+fn a_policy_with_a_short_horizon_is_followed_closely() {
+    follow("1 s", |random| Kind {
+        ask: random.between(0.2, 0.5),
+        delay: (0.02, 0.5),
+        chunks: 20,
+        rows: 51,
+        ..OFTEN_LATE
+    });
 }
 
 #[test]

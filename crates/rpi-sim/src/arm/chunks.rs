@@ -76,7 +76,8 @@ impl Chunks {
         }
         let next = self.motion.next_set_point(controls);
         self.last = Some(next);
-        let done = next.at_rest && next.is_late && self.accepted != 0 && !self.motion.is_preparing();
+        let done =
+            next.at_rest && next.is_late && self.accepted != 0 && !self.motion.is_preparing();
         (next.state, done)
     }
 
@@ -84,16 +85,31 @@ impl Chunks {
         let Some((head, arrays)) = target.split_first_chunk::<HEAD>() else {
             return Err(ChunkError::Length);
         };
-        let [_, rows, period, age, appended, weight, frozen, smoothing, with] = *head;
+        let [
+            _,
+            rows,
+            period,
+            age,
+            appended,
+            weight,
+            frozen,
+            smoothing,
+            with,
+        ] = *head;
         let (positions, velocities) = arrays.split_at(arrays.len() / 2);
         // A number of rows that is too large or negative is more than any chunk has.
-        let rows = usize::try_from(rows).unwrap_or(usize::MAX).min(MAX_ROWS + 1);
+        let rows = usize::try_from(rows)
+            .unwrap_or(usize::MAX)
+            .min(MAX_ROWS + 1);
         let count = rows * arm.axes();
         if rows > MAX_ROWS || count > positions.len() {
             return Err(ChunkError::Length);
         }
         copy(&positions[..count], &mut self.positions);
-        copy(&velocities[..count.min(velocities.len())], &mut self.velocities);
+        copy(
+            &velocities[..count.min(velocities.len())],
+            &mut self.velocities,
+        );
         let chunk = ChunkRows {
             period: f64::from_bits(period),
             positions: &self.positions,
@@ -101,7 +117,11 @@ impl Chunks {
             age: f64::from_bits(age),
         };
         let options = ChunkOptions {
-            seam: if appended != 0 { Seam::Append } else { Seam::Overlap },
+            seam: if appended != 0 {
+                Seam::Append
+            } else {
+                Seam::Overlap
+            },
             previous_weight: f64::from_bits(weight),
             frozen_rows: usize::try_from(frozen).unwrap_or(usize::MAX),
             smoothing: f64::from_bits(smoothing),
@@ -117,9 +137,8 @@ impl Chunks {
     /// Writes the slots of the result beside those of every motion.
     pub(super) fn put_report(&self, out: &mut SlotWriter<'_>) {
         let axis_and_limit = self.last.and_then(|last| last.limit);
-        let (axis, limit) = axis_and_limit.map_or((0, 0), |(axis, kind)| {
-            (axis as u64 + 1, number_of(kind))
-        });
+        let (axis, limit) =
+            axis_and_limit.map_or((0, 0), |(axis, kind)| (axis as u64 + 1, number_of(kind)));
         let reals = self.last.map_or([0.0; 4], |last| {
             [last.deviation, last.lag, last.smoothing, last.remaining]
         });
