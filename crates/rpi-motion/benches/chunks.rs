@@ -2,8 +2,8 @@
 //!
 //! The table has, for each way: the peak of the jerk as a multiple of the limit of the axis, the share of the cycles in which a
 //! limit of velocity, acceleration or jerk is exceeded, the distance of the set-points from the curve of the policy, the added
-//! latency (the delay of the policy's curve that fits the set-points best), and the share of time at rest. `RPI_CHUNK_SESSIONS`
-//! sets the number of sessions for each arm.
+//! latency (the delay of the policy's curve that fits the set-points best), and the share of time at rest. A second table has the
+//! times of the cycles of our motion. `RPI_CHUNK_SESSIONS` sets the number of sessions for each arm.
 
 #[path = "../tests/chunks/policy.rs"]
 mod policy;
@@ -50,7 +50,7 @@ fn session(model: &'static ArmModel, seed: u64, longest_delay: f64) -> Session {
     let arm = Arm::new(model, Pose::identity(), &[]);
     let mut random = Random::new(seed);
     let period = random.between(0.02, 0.05);
-    let count = ((1.2 / period) as usize).min(200);
+    let count = ((1.2 / period) as usize + 2).min(200);
     let policy = Policy::new(&arm, random.between(0.2, 0.5), longest_delay, &mut random);
     let mut time = 0.0;
     let chunk = |_| {
@@ -238,7 +238,7 @@ impl Figures {
         let percent = |count: usize| 100.0 * count as f64 / self.cycles as f64;
         let latency = self.latency.iter().sum::<f64>() / self.latency.len() as f64;
         println!(
-            "| {name} | {:.2} | {:.2} % | {:.4} | {:.4} | {:.1} | {:.2} % |",
+            "| {name} | {:.3} | {:.2} % | {:.4} | {:.4} | {:.1} | {:.2} % |",
             self.peak_jerk,
             percent(self.over),
             at(0.5),
