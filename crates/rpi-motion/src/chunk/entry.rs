@@ -2,6 +2,7 @@
 
 use super::curve::{Curve, CurvePoint};
 use super::residual::Residual;
+use super::state::{difference, is_within};
 use crate::Arm;
 use rpi_kin::MAX_AXES;
 use rpi_kin::state_to_rest::{AxisState, Bounds};
@@ -42,7 +43,7 @@ pub(super) fn plan(
         core::array::from_fn(|axis| difference(&state[axis], &on_curve(&start, axis, law)));
     let mut planned = [Residual::default(); MAX_AXES];
     let mut open: [bool; MAX_AXES] =
-        core::array::from_fn(|axis| axis < arm.axes() && !is_small(&differences[axis]));
+        core::array::from_fn(|axis| axis < arm.axes() && !is_within(&differences[axis], SMALL));
     for duration in DURATIONS {
         if !open.contains(&true) {
             break;
@@ -82,22 +83,4 @@ fn keeps(
     velocity.abs() <= bounds.speed
         && acceleration.abs() <= bounds.acceleration
         && jerk.abs() <= bounds.jerk
-}
-
-/// Returns the difference between two states.
-pub(super) fn difference(one: &AxisState, other: &AxisState) -> AxisState {
-    AxisState {
-        position: one.position - other.position,
-        velocity: one.velocity - other.velocity,
-        acceleration: one.acceleration - other.acceleration,
-    }
-}
-
-fn is_small(difference: &AxisState) -> bool {
-    let AxisState {
-        position,
-        velocity,
-        acceleration,
-    } = difference;
-    position.abs() < SMALL[0] && velocity.abs() < SMALL[1] && acceleration.abs() < SMALL[2]
 }

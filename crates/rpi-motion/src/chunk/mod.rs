@@ -28,6 +28,7 @@ mod motion;
 mod pending;
 mod residual;
 mod rows;
+mod state;
 
 pub use guard::LimitKind;
 pub use law::BindingLimit;

@@ -1,12 +1,13 @@
 //! Motion of an arm along chunks: one set-point per cycle, whatever has or has not arrived.
 
 use super::curve::Curve;
-use super::entry::{self, difference, on_curve};
+use super::entry::{self, on_curve};
 use super::guard::Guard;
 use super::law::{BindingLimit, Rates, TimeLaw};
 use super::pending::Pending;
 use super::residual::Residual;
 use super::rows::{ChunkRows, InForce, RowTimes};
+use super::state::{difference, is_within, rests};
 use super::{ChunkError, ChunkOptions};
 use crate::node::{USED_JERK_SHARE, USED_SHARE};
 use crate::online::{AxisLimits, MotionOptions, OnlineMotion};
@@ -426,20 +427,6 @@ impl ChunkMotion {
             }
         }))
     }
-}
-
-fn rests(state: &AxisState) -> bool {
-    state.velocity == 0.0 && state.acceleration == 0.0
-}
-
-/// Returns true if position (rad), velocity (rad/s) and acceleration (rad/s²) of a difference are at most `most`.
-fn is_within(difference: &AxisState, most: [f64; 3]) -> bool {
-    let AxisState {
-        position,
-        velocity,
-        acceleration,
-    } = difference;
-    position.abs() <= most[0] && velocity.abs() <= most[1] && acceleration.abs() <= most[2]
 }
 
 fn guards(arm: &Arm, ranges: &Ranges, period: f64) -> [Guard; MAX_AXES] {
