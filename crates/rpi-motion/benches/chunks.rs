@@ -237,9 +237,10 @@ impl Figures {
         let at = |share: f64| self.errors[((self.errors.len() - 1) as f64 * share) as usize];
         let percent = |count: usize| 100.0 * count as f64 / self.cycles as f64;
         let latency = self.latency.iter().sum::<f64>() / self.latency.len() as f64;
+        let digits = if self.peak_jerk < 1000.0 { 3 } else { 0 };
+        let jerk = format!("{:.digits$}", self.peak_jerk);
         println!(
-            "| {name} | {:.3} | {:.2} % | {:.4} | {:.4} | {:.1} | {:.2} % |",
-            self.peak_jerk,
+            "| {name} | {jerk} | {:.2} % | {:.4} | {:.4} | {:.1} | {:.2} % |",
             percent(self.over),
             at(0.5),
             at(0.99),
