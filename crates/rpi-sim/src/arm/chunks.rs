@@ -67,8 +67,9 @@ impl Chunks {
         controls: Controls,
     ) -> (JointState, bool) {
         let number = target.first().map_or(0, |slot| slot.cast_signed());
-        if number != self.read {
-            self.read = number;
+        let is_new = number != self.read && number != 0;
+        self.read = number;
+        if is_new {
             match self.take(arm, target) {
                 Ok(()) => (self.accepted, self.rejected) = (number, ErrorCode::OK),
                 Err(error) => self.rejected = code_of(error),
