@@ -26,6 +26,7 @@ extern crate alloc;
 pub mod arm;
 pub mod arm_angle;
 pub mod check;
+pub mod chunk;
 mod course;
 pub mod curve_bound;
 mod entry;

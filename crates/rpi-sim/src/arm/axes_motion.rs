@@ -1,9 +1,11 @@
-//! Motions of the axes without a path: the device functions `move_axes`, `follow_joints`, `move_at_velocity` and `hold`.
+//! Motions of the axes without a path: the device functions `move_axes`, `follow_joints`, `move_at_velocity`, `hold` and
+//! `follow_chunks`.
 
+use super::chunks::Chunks;
 use super::kinematics::PerAxis;
 use super::limits::Violation;
 use super::path_fault::{PathFault, out_of_range};
-use crate::device::real_at;
+use crate::device::{SlotWriter, real_at};
 use crate::error_code::ErrorCode;
 use rpi_kin::MAX_AXES;
 use rpi_kin::state_to_rest::Bounds;
@@ -21,12 +23,15 @@ pub(super) enum AxesMotionKind {
     AtVelocity,
     /// The axes come to rest and stay there. The motion has no target.
     Hold,
+    /// The axes follow chunks of positions. Target: the newest chunk, read when its number changes.
+    Chunks,
 }
 
 /// Motion of the axes of an arm without a path; inactive while the arm makes a motion along a path.
 #[derive(Clone, Debug)]
 pub(super) struct AxesMotion {
     motion: JointMotion,
+    chunks: Chunks,
     kind: Option<AxesMotionKind>,
     /// Position of each axis at the end of a motion to a position, rad.
     to: PerAxis,
@@ -46,6 +51,7 @@ impl AxesMotion {
     pub(super) fn new(arm: rpi_motion::Arm, tick: f64) -> Self {
         Self {
             motion: JointMotion::new(arm, tick),
+            chunks: Chunks::new(arm, tick),
             kind: None,
             to: PerAxis::default(),
             way: 0.0,
@@ -58,6 +64,11 @@ impl AxesMotion {
         self.kind.is_some()
     }
 
+    /// Writes what a motion along chunks reports beside its set-point.
+    pub(super) fn put_chunk_report(&self, out: &mut SlotWriter<'_>) {
+        self.chunks.put_report(out);
+    }
+
     /// Marks that the arm now makes a motion along a path instead.
     pub(super) fn end(&mut self) {
         self.kind = None;
@@ -65,7 +76,10 @@ impl AxesMotion {
 
     /// Returns the state of the axes `elapsed` seconds after the last set-point if the arm stops on its own.
     pub(super) fn stopping(&self, elapsed: f64) -> JointState {
-        self.motion.stopping(elapsed)
+        match self.kind {
+            Some(AxesMotionKind::Chunks) => self.chunks.stopping(elapsed),
+            _ => self.motion.stopping(elapsed),
+        }
     }
 
     /// Returns the distance that the farthest moving axis travels, rad; 0 for a motion without a known end.
@@ -94,7 +108,10 @@ impl AxesMotion {
             _ if requested.are_positive() => requested,
             _ => return Err(ErrorCode::NOT_POSITIVE.into()),
         };
-        let begun = self.motion.begin(state, requested, period);
+        let begun = match kind {
+            AxesMotionKind::Chunks => self.chunks.begin(state, requested, period),
+            _ => self.motion.begin(state, requested, period),
+        };
         begun.map_err(|_| PathFault::from(ErrorCode::NOT_A_NUMBER))?;
         self.kind = Some(kind);
         self.at_range_end = None;
@@ -115,6 +132,10 @@ impl AxesMotion {
         controls: Controls,
     ) -> Option<SetPoint> {
         let axes = arm.axes();
+        if self.kind? == AxesMotionKind::Chunks {
+            let (state, done) = self.chunks.next(arm, target, controls);
+            return Some(self.set_point(arm, &state, done));
+        }
         let goal = match self.kind? {
             _ if controls.paused => JointGoal::Rest,
             AxesMotionKind::ToPosition => JointGoal::Position(self.to),
@@ -123,7 +144,7 @@ impl AxesMotion {
                 velocity: reals(target, axes, axes),
             },
             AxesMotionKind::AtVelocity => JointGoal::Velocity(reals(target, 0, axes)),
-            AxesMotionKind::Hold => JointGoal::Rest,
+            AxesMotionKind::Hold | AxesMotionKind::Chunks => JointGoal::Rest,
         };
         let next = self.motion.next_set_point(&goal, controls.speed_share);
         self.at_range_end = next.at_range_end;

@@ -4,6 +4,7 @@
 //! type `Arm` of `.rpi`.
 
 use super::axes_motion::AxesMotionKind;
+use super::chunks::CHUNK_SLOTS;
 use super::kinematic_functions::{
     inverse_kinematics, inverse_kinematics_nullspace, kinematics, velocity_kinematics,
 };
@@ -145,6 +146,16 @@ const fn axes_motion(name: &'static str, kind: AxesMotionKind) -> PortRow {
     motion(name, MotionKind::Axes(kind))
 }
 
+const CHUNKS: PortRow = PortRow {
+    spec: PortSpec {
+        name: "follow_chunks",
+        kind: PortKind::Function,
+        value: PortValue::PerAxisAnd(RESULT_SLOTS + CHUNK_SLOTS),
+        indexed: false,
+    },
+    action: PortAction::Plan(MotionKind::Axes(AxesMotionKind::Chunks)),
+};
+
 const REAL: PortValue = PortValue::One(Real);
 const POSE: PortValue = PortValue::One(Pose);
 const TWIST: PortValue = PortValue::One(Twist);
@@ -275,6 +286,7 @@ pub(super) const PORTS: &[PortRow] = &[
     axes_motion("follow_joints", AxesMotionKind::Follow),
     axes_motion("move_at_velocity", AxesMotionKind::AtVelocity),
     axes_motion("hold", AxesMotionKind::Hold),
+    CHUNKS,
     motion("move_tool_in_base", MotionKind::Jog(TwistFrame::Base)),
     motion("move_tool_in_tool", MotionKind::Jog(TwistFrame::Tool)),
     // Ports of the device type `Arm` of `.rpi`.

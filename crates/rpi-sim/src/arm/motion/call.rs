@@ -1,6 +1,7 @@
 //! Calls of the motion functions of an arm: arguments and results as slots.
 
 use super::super::Arm;
+use super::super::axes_motion::AxesMotionKind;
 use super::super::path_fault::PathFault;
 use super::{MotionKind, rests, same_joints};
 use crate::device::{SlotWriter, pose_from};
@@ -86,10 +87,18 @@ impl Arm {
             self.begin_motion(kind, &request);
         } else if !is_due {
             put_error(request.motion, self.axes(), ErrorCode::SUPERSEDED, out);
+            self.put_chunk_report(kind, out);
             return true;
         }
         self.put_motion(&request, out);
+        self.put_chunk_report(kind, out);
         true
+    }
+
+    fn put_chunk_report(&self, kind: MotionKind, out: &mut SlotWriter<'_>) {
+        if kind == MotionKind::Axes(AxesMotionKind::Chunks) {
+            self.motion.axes.put_chunk_report(out);
+        }
     }
 
     fn begin_motion(&mut self, kind: MotionKind, request: &Request<'_>) {
