@@ -94,6 +94,11 @@ impl ErrorCode {
     /// A safety function of the controller has stopped the arm. An operator must clear the cause and release it there.
     pub const PROTECTIVE_STOP: Self = Self(34);
 
+    /// An event on the path of a motion did not occur: the motion ended, or another one took over, before its place.
+    pub const EVENT_MISSED: Self = Self(35);
+    /// The place of an event is not on the path of its motion.
+    pub const NO_SUCH_PLACE: Self = Self(36);
+
     /// True for a code whose report carries a place on the path of the tool, as `value`, and the length of the path, as
     /// `limit`, both in m.
     #[must_use]
@@ -310,5 +315,15 @@ pub const ERROR_CODES: &[ErrorCodeInfo] = &[
         ErrorCode::PROTECTIVE_STOP,
         "protective-stop",
         "a safety function of the controller has stopped the arm; clear the cause and unlock it at the controller",
+    ),
+    line(
+        ErrorCode::EVENT_MISSED,
+        "event-missed",
+        "an event on the path did not occur, because the motion ended or another one took over before its place",
+    ),
+    line(
+        ErrorCode::NO_SUCH_PLACE,
+        "no-such-place",
+        "the place of an event is not on the path of its motion; correct the place, or the point or zone from which it counts",
     ),
 ];
