@@ -100,6 +100,11 @@ impl ErrorCode {
     /// A chunk of joint positions was to be appended, but too many rows are still to be executed.
     pub const CHUNK_FULL: Self = Self(37);
 
+    /// An event on the path of a motion did not occur: the motion ended, or another one took over, before its place.
+    pub const EVENT_MISSED: Self = Self(38);
+    /// The place of an event is not on the path of its motion.
+    pub const NO_SUCH_PLACE: Self = Self(39);
+
     /// True for a code whose report carries a place on the path of the tool, as `value`, and the length of the path, as
     /// `limit`, both in m.
     #[must_use]
@@ -331,5 +336,15 @@ pub const ERROR_CODES: &[ErrorCodeInfo] = &[
         ErrorCode::CHUNK_FULL,
         "chunk-full",
         "more than 400 rows would be left to execute; the chunk is not appended. Send it later",
+    ),
+    line(
+        ErrorCode::EVENT_MISSED,
+        "event-missed",
+        "an event on the path did not occur, because the motion ended or another one took over before its place",
+    ),
+    line(
+        ErrorCode::NO_SUCH_PLACE,
+        "no-such-place",
+        "the place of an event is not on the path of its motion; correct the place, or the point or zone from which it counts",
     ),
 ];

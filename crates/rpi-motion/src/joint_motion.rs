@@ -7,6 +7,8 @@
 //!
 //! Nothing allocates, and the work of a cycle is bounded: at most five plans of each axis.
 
+mod outlook;
+
 use crate::node::{USED_JERK_SHARE, USED_SHARE};
 use crate::online::{AxisLimits, MotionOptions, OnlineMotion, Synchronization};
 use crate::ranges::allowed_ranges;

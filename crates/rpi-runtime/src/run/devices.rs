@@ -1,12 +1,12 @@
 //! Device samples and final device states of a run.
 
-use rpi_device::{DeviceBank, PortKind, PortQuery};
+use rpi_device::{DeviceBank, ErrorCode, PortKind, PortQuery};
 use rpi_image::{Scalar, Type};
 use rpi_sim::cell::DeviceKind;
 use rpi_sim::{Cell, Report, SimBank};
 
 use super::cycle::DeviceTap;
-use super::outcome::{DeviceEnd, DeviceProblem};
+use super::outcome::{DeviceEnd, DeviceProblem, ProblemPlace};
 use super::samples::{Channel, Source};
 
 /// Maximum number of distinct problems that are listed per device in the outcome of a run.
@@ -112,8 +112,8 @@ fn count_problem(troubles: &mut Vec<DeviceProblem>, report: &Report) {
         Some(k) => troubles[k].times += 1,
         None if troubles.len() < MAX_PROBLEMS => troubles.push(DeviceProblem {
             what,
-            is_refusal: !report.code.is_failure(),
-            is_on_path: report.code.is_on_path(),
+            is_refusal: !report.code.is_failure() && report.code != ErrorCode::EVENT_MISSED,
+            place: ProblemPlace::of(report.code),
             axis: report.axis,
             times: 1,
             first: report.time,

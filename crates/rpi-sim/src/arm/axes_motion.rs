@@ -38,6 +38,8 @@ pub(super) struct AxesMotion {
     /// Distance that the farthest moving axis travels during a motion to a position, rad; 0 for other motions.
     way: f64,
     at_range_end: Option<usize>,
+    /// Share of the requested speed in the last cycle, from 0 to 1; 0 while the motion pauses.
+    speed_share: f64,
 }
 
 /// Requested bounds that exceed the limits of every axis, so that only the limits apply.
@@ -56,6 +58,7 @@ impl AxesMotion {
             to: PerAxis::default(),
             way: 0.0,
             at_range_end: None,
+            speed_share: 0.0,
         }
     }
 
@@ -85,6 +88,25 @@ impl AxesMotion {
     /// Returns the distance that the farthest moving axis travels, rad; 0 for a motion without a known end.
     pub(super) fn way(&self) -> f64 {
         self.way
+    }
+
+    /// Returns the distance that the farthest moving axis has travelled `elapsed` seconds after the last set-point, rad;
+    /// `elapsed` is not positive, at least minus one period.
+    pub(super) fn travelled(&self, arm: &Arm, elapsed: f64) -> f64 {
+        self.set_point(arm, &self.motion.stopping(elapsed), false)
+            .path
+            .s
+    }
+
+    /// Returns the time (s) from the last set-point until the farthest moving axis has travelled the distance `place`
+    /// (rad), as planned in the last cycle. `None` without a plan that leads there.
+    pub(super) fn time_until(&self, arm: &Arm, place: f64) -> Option<f64> {
+        if self.kind != Some(AxesMotionKind::ToPosition) {
+            return None;
+        }
+        let travelled = |state: &JointState| self.set_point(arm, state, false).path.s;
+        self.motion
+            .time_until(&self.to, self.speed_share, travelled, place)
     }
 
     /// Begins a motion from the state `state` of the arm, with the bounds `requested` for each axis. `target` are the
@@ -136,6 +158,11 @@ impl AxesMotion {
             let (state, done) = self.chunks.next(arm, target, controls);
             return Some(self.set_point(arm, &state, done));
         }
+        self.speed_share = if controls.paused {
+            0.0
+        } else {
+            controls.speed_share
+        };
         let goal = match self.kind? {
             _ if controls.paused => JointGoal::Rest,
             AxesMotionKind::ToPosition => JointGoal::Position(self.to),

@@ -263,6 +263,9 @@ impl Device for Arm {
             Some(PortAction::Plan(kind)) => {
                 self.call_motion(*kind, arguments, &mut SlotWriter::new(result))
             }
+            Some(PortAction::PathEvent) => {
+                self.call_path_event(arguments, &mut SlotWriter::new(result))
+            }
             Some(PortAction::Call(function)) => {
                 function(self, arguments, &mut SlotWriter::new(result))
             }

@@ -8,7 +8,7 @@ use super::chunks::CHUNK_SLOTS;
 use super::kinematic_functions::{
     inverse_kinematics, inverse_kinematics_nullspace, kinematics, velocity_kinematics,
 };
-use super::motion::RESULT_SLOTS;
+use super::motion::{EVENT_SLOTS, RESULT_SLOTS};
 use super::motion::{MotionKind, PathKind};
 use super::tool_path::ToolPathKind;
 use super::{Arm, kinematics::PerAxis};
@@ -36,6 +36,8 @@ pub(super) enum PortAction {
     Call(fn(&Arm, &[u64], &mut SlotWriter<'_>) -> bool),
     /// The port is a function that plans a motion of this kind, called in each cycle.
     Plan(MotionKind),
+    /// The port is the function that tells when a motion passes a place on its path.
+    PathEvent,
 }
 
 /// Part of an arm that a set-point moves.
@@ -289,6 +291,15 @@ pub(super) const PORTS: &[PortRow] = &[
     CHUNKS,
     motion("move_tool_in_base", MotionKind::Jog(TwistFrame::Base)),
     motion("move_tool_in_tool", MotionKind::Jog(TwistFrame::Tool)),
+    PortRow {
+        spec: PortSpec {
+            name: "path_event",
+            kind: PortKind::Function,
+            value: PortValue::Reals(EVENT_SLOTS),
+            indexed: false,
+        },
+        action: PortAction::PathEvent,
+    },
     // Ports of the device type `Arm` of `.rpi`.
     actuator("tcp", POSE, false, PortAction::Move(Target::Tool)),
     actuator("joints", JOINTS, false, PortAction::Move(Target::Joints)),

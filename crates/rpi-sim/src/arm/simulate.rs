@@ -14,6 +14,7 @@ impl Arm {
     pub fn step(&mut self, time: f64) {
         self.time = time;
         self.update_faults();
+        self.report_events_of_ended_motion();
         if self.faults.effects.set_points_lost {
             self.drop_staged();
         }

@@ -102,6 +102,7 @@ impl Arm {
     }
 
     fn begin_motion(&mut self, kind: MotionKind, request: &Request<'_>) {
+        self.report_missed_events();
         let differences = JointState::from_differences(
             self.commanded(|state| state.position),
             self.commanded(|state| state.velocity),
@@ -141,6 +142,7 @@ impl Arm {
         let done = core::mem::replace(&mut motion.at_end, at.done) && at.done;
         let (progress, speed) = motion.progress(&at);
         let (way, error) = (motion.way, motion.error);
+        motion.events.advance(way, progress);
         out.put_bits(number.cast_unsigned());
         out.put_reals(at.joints.into_iter().take(self.axes()));
         out.put_pose(&self.motion.pose_of_tool(&at.joints));
