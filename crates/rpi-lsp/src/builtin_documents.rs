@@ -37,6 +37,16 @@ pub(crate) fn source_path(name: &str) -> PathBuf {
     library_path(name).unwrap_or_else(|| PathBuf::from(name))
 }
 
+/// Returns whether a path, or a name of a source file in diagnostics, is that of a built-in text or of its copy.
+pub(crate) fn is_builtin(path: &Path) -> bool {
+    let name = path
+        .to_str()
+        .and_then(|name| name.strip_prefix(LIBRARY_PREFIX));
+    let module = name.and_then(|name| name.strip_suffix(".rpi"));
+    let is_library = module.is_some_and(|module| rpi_driver::library_text(module).is_some());
+    is_library || path.starts_with(&*CACHE_DIR)
+}
+
 fn library_path(name: &str) -> Option<PathBuf> {
     let module = name.strip_prefix(LIBRARY_PREFIX)?.strip_suffix(".rpi")?;
     write_once(name, rpi_driver::library_text(module)?)

@@ -3,17 +3,22 @@
 //! Each open document is the root file of a program, and may be part of other programs. The diagnostics about a file
 //! from all these programs are published together, without duplicates.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
+use std::ops::Range as ByteRange;
 use std::path::{Path, PathBuf};
 use std::rc::Rc;
 use std::time::{Duration, Instant};
 
-use lsp_types::{Diagnostic, TextDocumentContentChangeEvent, Uri};
+use lsp_server::RequestId;
+use lsp_types::{Diagnostic, Range, TextDocumentContentChangeEvent, Uri};
 use rpi_driver::{DiskLoader, FileLoader, Inspection, inspect};
 
+use crate::cancellation::Cancellations;
 use crate::capabilities::ClientFeatures;
 use crate::line_index::LineIndex;
 use crate::locations::LocationMap;
+use crate::semantic_tokens::SentTokens;
+use crate::settings::Settings;
 use crate::{diagnostics, uri};
 
 /// Maximum pause in typing for which the server waits before it analyses a document: 200 ms.
@@ -82,6 +87,16 @@ pub(crate) struct FileDiagnostics {
 /// State of the server: client, open documents, published diagnostics.
 pub(crate) struct Workspace {
     pub(crate) client: ClientFeatures,
+    pub(crate) settings: Settings,
+    /// Semantic tokens that the client has received, by document, for later requests of changes.
+    pub(crate) sent_tokens: BTreeMap<PathBuf, SentTokens>,
+    /// Document of the last completion, to which requests for the documentation of items refer.
+    pub(crate) completed: Option<Uri>,
+    /// Folders that are open in the editor.
+    folders: Vec<PathBuf>,
+    cancellations: Cancellations,
+    /// Request that is being handled.
+    request: Option<RequestId>,
     documents: BTreeMap<PathBuf, Document>,
     /// Diagnostics of files that the client has not received so far, in the order of the analyses.
     unpublished: Vec<FileDiagnostics>,
@@ -91,7 +106,7 @@ pub(crate) struct Workspace {
 }
 
 /// File loader that returns the text in the editor for open documents, and the text on disk for other files.
-struct Overlay<'w>(&'w BTreeMap<PathBuf, Document>);
+pub(crate) struct Overlay<'w>(&'w BTreeMap<PathBuf, Document>);
 
 impl FileLoader for Overlay<'_> {
     fn text(&self, path: &Path) -> Option<String> {
@@ -103,9 +118,20 @@ impl FileLoader for Overlay<'_> {
 }
 
 impl Workspace {
-    pub(crate) fn new(client: ClientFeatures) -> Workspace {
+    pub(crate) fn new(
+        client: ClientFeatures,
+        settings: Settings,
+        folders: Vec<PathBuf>,
+        cancellations: Cancellations,
+    ) -> Workspace {
         Workspace {
             client,
+            settings,
+            sent_tokens: BTreeMap::new(),
+            completed: None,
+            folders,
+            cancellations,
+            request: None,
             documents: BTreeMap::new(),
             unpublished: Vec::new(),
             last_published: BTreeMap::new(),
@@ -149,6 +175,7 @@ impl Workspace {
 
     pub(crate) fn close(&mut self, uri: &Uri) {
         let path = uri::to_path(uri);
+        self.sent_tokens.remove(&path);
         if let Some(document) = self.documents.remove(&path) {
             let files: Vec<PathBuf> = document.diagnostics.into_keys().collect();
             files.iter().for_each(|file| self.collect_diagnostics(file));
@@ -174,14 +201,55 @@ impl Workspace {
             .for_each(|document| document.schedule(now));
     }
 
-    pub(crate) fn document(&self, uri: &Uri) -> Option<&Document> {
-        self.documents.get(&uri::to_path(uri))
+    /// Sets the request that is being handled; `None` between requests.
+    pub(crate) fn set_request(&mut self, request: Option<RequestId>) {
+        self.request = request;
     }
 
-    /// Returns the URIs of all documents that are open in the editor.
-    pub(crate) fn open_documents(&self) -> Vec<Uri> {
-        let documents = self.documents.values();
-        documents.map(|document| document.uri.clone()).collect()
+    /// Returns whether the client has cancelled the request that is being handled.
+    pub(crate) fn is_cancelled(&self) -> bool {
+        let request = self.request.as_ref();
+        request.is_some_and(|id| self.cancellations.contains(id))
+    }
+
+    /// Returns the folders that are open in the editor.
+    pub(crate) fn folders(&self) -> &[PathBuf] {
+        &self.folders
+    }
+
+    /// Changes the folders that are open in the editor.
+    pub(crate) fn change_folders(&mut self, removed: &[PathBuf], added: Vec<PathBuf>) {
+        self.folders.retain(|folder| !removed.contains(folder));
+        self.folders.extend(added);
+    }
+
+    /// Returns the paths of the documents that are open in the editor.
+    pub(crate) fn open_paths(&self) -> BTreeSet<PathBuf> {
+        self.documents.keys().cloned().collect()
+    }
+
+    /// Returns the URI of the document that is open at a path; `None` if there is none.
+    pub(crate) fn open_uri(&self, path: &Path) -> Option<Uri> {
+        self.documents
+            .get(path)
+            .map(|document| document.uri.clone())
+    }
+
+    /// Returns a file loader that prefers the texts in the editor.
+    pub(crate) fn overlay(&self) -> Overlay<'_> {
+        Overlay(&self.documents)
+    }
+
+    /// Converts a range of bytes in a file to a range of lines and columns.
+    pub(crate) fn range_in(&self, path: &Path, bytes: ByteRange<u32>) -> Range {
+        let text = self.overlay().text(path).unwrap_or_default();
+        let lines = LineIndex::new(&text);
+        let at = |offset: u32| lines.position(&text, offset as usize, self.client.encoding);
+        Range::new(at(bytes.start), at(bytes.end))
+    }
+
+    pub(crate) fn document(&self, uri: &Uri) -> Option<&Document> {
+        self.documents.get(&uri::to_path(uri))
     }
 
     /// Returns the URI of a file: for an open document the URI that the client uses, else one made from the path.
@@ -249,7 +317,7 @@ impl Workspace {
         document.analysis_time = begun.elapsed();
         let old = std::mem::replace(&mut document.diagnostics, found);
         let new = document.diagnostics.keys().cloned();
-        let files: std::collections::BTreeSet<PathBuf> = new.chain(old.into_keys()).collect();
+        let files: BTreeSet<PathBuf> = new.chain(old.into_keys()).collect();
         files.iter().for_each(|file| self.collect_diagnostics(file));
     }
 
@@ -283,9 +351,14 @@ impl Workspace {
         }
     }
 
-    /// Returns the diagnostics to publish, and removes them from the list of unpublished ones.
+    /// Returns the diagnostics to publish, and removes them from the list of unpublished ones. There are none if the
+    /// client requests diagnostics itself.
     pub(crate) fn take_unpublished(&mut self) -> Vec<FileDiagnostics> {
-        std::mem::take(&mut self.unpublished)
+        let all = std::mem::take(&mut self.unpublished);
+        match self.settings.pull_diagnostics {
+            true => Vec::new(),
+            false => all,
+        }
     }
 
     /// Returns a converter from byte ranges in the files of a program to positions in the encoding of the client.
