@@ -42,7 +42,7 @@ pub(crate) fn run(
         cancellations,
     };
     loop {
-        match next_message(inbox, server.next_due()) {
+        match next_message(inbox, server.next_due(), server.is_overdue()) {
             Ok(Ok(Message::Request(request))) => server.request(request),
             Ok(Ok(Message::Notification(notification))) if notification.method == "exit" => break,
             Ok(Ok(Message::Notification(notification))) => server.notification(notification),
@@ -60,19 +60,19 @@ pub(crate) fn run(
 }
 
 /// Returns the next message from the client. Waits at most until `due`, the time of the next analysis; returns a
-/// timeout error then.
+/// timeout error then. Messages that have arrived are handled before the analysis, which they may make unnecessary,
+/// unless the analysis is overdue: a stream of messages must not postpone it for ever.
 fn next_message(
     inbox: &Receiver<Received>,
     due: Option<Instant>,
+    is_overdue: bool,
 ) -> Result<Received, RecvTimeoutError> {
     let Some(due) = due else {
         return inbox.recv().map_err(|_| RecvTimeoutError::Disconnected);
     };
-    let left = due.saturating_duration_since(Instant::now());
-    match left.is_zero() {
-        // Also if messages wait: a stream of messages must not postpone the analysis for ever.
+    match is_overdue {
         true => Err(RecvTimeoutError::Timeout),
-        false => inbox.recv_timeout(left),
+        false => inbox.recv_timeout(due.saturating_duration_since(Instant::now())),
     }
 }
 
@@ -97,6 +97,10 @@ impl Server {
 
     fn next_due(&mut self) -> Option<Instant> {
         self.workspace()?.next_due()
+    }
+
+    fn is_overdue(&mut self) -> bool {
+        self.workspace().is_some_and(|world| world.is_overdue())
     }
 
     fn request(&mut self, request: Request) {

@@ -27,6 +27,10 @@ const MAX_PAUSE: Duration = Duration::from_millis(200);
 /// Maximum time from a change to its analysis if the user types without a pause: 500 ms.
 const MAX_DELAY: Duration = Duration::from_millis(500);
 
+/// Duration of an analysis that ends before a fast typist presses the next key (35 ms at 140 words per minute), so that
+/// waiting for a pause would only delay the diagnostics.
+const FAST_ANALYSIS: Duration = Duration::from_millis(30);
+
 /// Document that is open in the editor, with its unsaved text.
 #[derive(Debug)]
 pub(crate) struct Document {
@@ -57,12 +61,15 @@ impl Document {
         }
     }
 
-    /// Schedules an analysis after a pause in typing that is as long as the last analysis took, but at most
-    /// [`MAX_PAUSE`] long and at most [`MAX_DELAY`] after the first change.
+    /// Schedules an analysis: at once if the last one was fast, else after a pause in typing that is as long as the last
+    /// analysis took, but at most [`MAX_PAUSE`] long and at most [`MAX_DELAY`] after the first change.
     fn schedule(&mut self, now: Instant) {
         let since = self.due.map_or(now, |(_, since)| since);
         // The slower the analysis, the longer the pause: fast typing then never queues up analyses.
-        let pause = self.analysis_time.min(MAX_PAUSE);
+        let pause = match self.analysis_time < FAST_ANALYSIS {
+            true => Duration::ZERO,
+            false => self.analysis_time.min(MAX_PAUSE),
+        };
         self.due = Some(((now + pause).min(since + MAX_DELAY), since));
     }
 
@@ -280,6 +287,13 @@ impl Workspace {
     pub(crate) fn next_due(&self) -> Option<Instant> {
         let dues = self.documents.values().filter_map(|document| document.due);
         dues.map(|(due, _)| due).min()
+    }
+
+    /// Returns whether a document has waited for its analysis for [`MAX_DELAY`], so that further messages must wait.
+    pub(crate) fn is_overdue(&self) -> bool {
+        let now = Instant::now();
+        let mut dues = self.documents.values().filter_map(|document| document.due);
+        dues.any(|(_, since)| since + MAX_DELAY <= now)
     }
 
     /// Analyses every open document whose analysis is due now.

@@ -38,6 +38,8 @@ pub(super) struct Candidate {
     pub(super) detail: String,
     /// Type of the value of the name, without `?`; empty if it is unknown. Candidates of the expected type come first.
     pub(super) ty: String,
+    /// True if the name is expected whatever its type, such as a static parameter.
+    pub(super) is_expected: bool,
     /// Text that is inserted instead of the label.
     pub(super) text: Option<String>,
     /// True if the inserted text has places for the cursor in the syntax of snippets.
@@ -56,6 +58,7 @@ impl Candidate {
             group,
             detail: String::new(),
             ty: String::new(),
+            is_expected: false,
             text: None,
             is_snippet: false,
             edit: None,
@@ -112,24 +115,42 @@ impl Candidate {
     }
 }
 
-/// Returns how well a name matches the typed text, 0 for the best match: a prefix, a prefix in another case, a part, a
-/// subsequence. Returns `None` for no match. The first letter of a subsequence must match the start of a word.
+/// Returns how well a name matches the typed text, 0 for the best match: a prefix, a prefix in another case, the start of
+/// a later word of the name, the initials of its words (`sl` for `speed_limit`). Returns `None` for no match: letters in
+/// the middle of words match too many names.
 fn match_quality(label: &str, typed: &str) -> Option<u8> {
     if label.starts_with(typed) {
         return Some(0);
     }
-    let (name, typed) = (label.to_lowercase(), typed.to_lowercase());
-    if name.starts_with(&typed) {
+    let lower = typed.to_lowercase();
+    if label.to_lowercase().starts_with(&lower) {
         return Some(1);
     }
-    if name.contains(&typed) {
+    let starts = word_starts(label);
+    let follows = |at: &usize| label[*at..].to_lowercase().starts_with(&lower);
+    if starts.iter().any(follows) {
         return Some(2);
     }
-    let mut letters = name.chars();
-    typed
-        .chars()
-        .all(|letter| letters.any(|one| one == letter))
-        .then_some(3)
+    let initials: String = starts
+        .iter()
+        .filter_map(|at| label[*at..].chars().next())
+        .collect();
+    let matches_initials = lower.len() > 1 && initials.to_lowercase().starts_with(&lower);
+    matches_initials.then_some(3)
+}
+
+/// Returns the byte offsets at which the words of a name start: `speed_limit`, `PointToPoint`, `Core::DoubleAdd`.
+fn word_starts(label: &str) -> Vec<usize> {
+    let mut previous = '_';
+    let mut starts = Vec::new();
+    for (at, c) in label.char_indices() {
+        let is_start = matches!(previous, '_' | ':') || c.is_uppercase() && previous.is_lowercase();
+        if is_start && c.is_alphanumeric() {
+            starts.push(at);
+        }
+        previous = c;
+    }
+    starts
 }
 
 /// Returns the list of the candidates that match the typed text, best first, within the limits. The list is marked as
@@ -141,7 +162,9 @@ pub(super) fn list(
     range: Range,
     has_more: bool,
 ) -> CompletionList {
-    let fits = |one: &Candidate| expected.is_some_and(|ty| !one.ty.is_empty() && one.ty == ty);
+    let fits = |one: &Candidate| {
+        one.is_expected || expected.is_some_and(|ty| !one.ty.is_empty() && one.ty == ty)
+    };
     let matching = candidates
         .into_iter()
         .enumerate()
@@ -185,6 +208,8 @@ mod tests {
         assert_eq!(quality("limit"), Some(2));
         assert_eq!(quality("sl"), Some(3));
         assert_eq!(quality("ls"), None);
+        assert_eq!(quality("p"), None);
+        assert_eq!(match_quality("Core::DoubleAdd", "add"), Some(2));
         assert_eq!(quality(""), Some(0));
     }
 
@@ -199,8 +224,8 @@ mod tests {
         let cut = list(all.clone(), "", None, Range::default(), false);
         assert!(cut.is_incomplete && cut.items.len() <= MAX_ITEMS);
         assert!(serde_json::to_string(&cut).unwrap().len() < 1 << 16);
-        let few = list(all, "name_99", None, Range::default(), false);
+        let few = list(all, "name_999", None, Range::default(), false);
         assert!(!few.is_incomplete);
-        assert_eq!(few.items.len(), 11);
+        assert_eq!(few.items.len(), 1);
     }
 }

@@ -4,8 +4,50 @@ use rpi_diag::FileId;
 use rpi_driver::Inspection;
 use rpi_sema::query::{Def, DefId, DefKind, Reference};
 
+use rpi_syntax::ast::ItemKind;
+
 use super::members;
-use super::place::{ArgumentContext, Cursor, ExpectedType, Place};
+use super::place::{ArgumentContext, Cursor, MemberPath, Place, member_path};
+use super::structure::{Bracket, Structure};
+use crate::cursor_tokens::CursorToken;
+
+/// What decides the type of the value at the cursor.
+#[derive(Clone, PartialEq, Eq, Debug)]
+pub(super) enum ExpectedType {
+    /// A value with this path, on the left of the equation or of the operator before the cursor.
+    SameAs(MemberPath),
+    /// Parameter of a callee, by its name.
+    Parameter(String, String),
+    /// A Boolean condition.
+    Condition,
+}
+
+/// Operators whose operands have the same type and unit.
+const SAME_TYPE: &[&str] = &["=", "+", "-", "<", ">", "<=", ">=", "<>", "->", "??"];
+
+impl ExpectedType {
+    /// Returns what decides the type of a value after the tokens; `None` if that is unknown.
+    pub(super) fn from_tokens(words: &[CursorToken<'_>]) -> Option<ExpectedType> {
+        let (last, before) = words.split_last()?;
+        match last.text {
+            "if" | "when" | "not" | "and" | "or" | "until" | "unless" | "assert" | "xor" => {
+                Some(ExpectedType::Condition)
+            }
+            ":" => {
+                let structure = Structure::new(words);
+                let name = before.last()?.text.to_owned();
+                match structure.bracket() {
+                    Some((_, Bracket::Call(callee))) => Some(ExpectedType::Parameter(callee, name)),
+                    _ => None,
+                }
+            }
+            text if SAME_TYPE.contains(&text) => {
+                member_path(before).map(|(path, _)| ExpectedType::SameAs(path))
+            }
+            _ => None,
+        }
+    }
+}
 
 /// Returns the type of the value of a definition as text, without `?`. A callable has the type of its only output. Empty
 /// if the type is unknown.
@@ -19,7 +61,21 @@ pub(super) fn type_text(seen: &Inspection, id: DefId) -> String {
             _ => String::new(),
         };
     }
+    if def.kind == DefKind::EnumValue {
+        return enum_of(seen, def).unwrap_or_default();
+    }
     value_type(seen, def)
+}
+
+/// Returns the name of the enum that declares a value.
+fn enum_of(seen: &Inspection, value: &Def) -> Option<String> {
+    let types = seen.items().filter_map(|item| match &item.kind {
+        ItemKind::Type(defs) => Some(defs),
+        _ => None,
+    });
+    let mut types = types.flatten();
+    let found = types.find(|ty| ty.span.contains(value.span))?;
+    Some(found.name.name.to_string())
 }
 
 fn value_type(seen: &Inspection, def: &Def) -> String {

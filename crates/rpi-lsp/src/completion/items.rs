@@ -44,6 +44,9 @@ const ITEM_KINDS: &[(DefKind, CompletionItemKind)] = &[
     (DefKind::State, CompletionItemKind::MODULE),
 ];
 
+/// SI prefixes of units that are offered.
+const PREFIXES: &[&str] = &["k", "c", "m", "u", "n", "M", "G"];
+
 /// Collector of the candidates for the cursor position in a document.
 pub(super) struct ItemCollector<'s> {
     pub(super) analysis: &'s Inspection,
@@ -70,14 +73,15 @@ impl ItemCollector<'_> {
             Place::Statement => self.targets(),
             Place::Step | Place::Run => self.visible(|def| matches!(def.kind, Command | Task)),
             Place::Result(callee) => members::results(self, callee),
-            Place::NextStep => self.visible(|def| def.kind == Step),
+            Place::NextStep => self.in_declaration(Step),
             Place::NextState => self.visible(|def| def.kind == State),
             Place::Field(ty, given) => members::fields(self, ty, given),
             Place::Operator
             | Place::AfterStep
             | Place::State
             | Place::Declaration
-            | Place::Header => Vec::new(),
+            | Place::Header
+            | Place::ResultCondition => Vec::new(),
         };
         of_place.into_iter().chain(self.keywords()).collect()
     }
@@ -122,10 +126,25 @@ impl ItemCollector<'_> {
             .collect()
     }
 
+    /// Returns the definitions of a kind in the declaration at the top level around the cursor.
+    fn in_declaration(&self, kind: DefKind) -> Vec<Candidate> {
+        let cursor = Span::new(FileId(0), self.offset, self.offset);
+        let item = self.analysis.item_around(cursor).map(|item| item.span);
+        let all = self.analysis.index().defs_in(FileId(0));
+        let here = all.filter(|(_, def)| {
+            def.kind == kind && item.is_some_and(|item| item.contains(def.span))
+        });
+        here.map(|(id, _)| self.def_candidate(Group::Local, id))
+            .collect()
+    }
+
     /// Returns the names that can stand in a value: with the parameters of the call whose argument begins at the cursor.
     fn values(&self, argument: Option<&ArgumentContext>) -> Vec<Candidate> {
         let mut all = argument.map_or_else(Vec::new, |a| self.arguments(a));
-        all.extend(self.visible(|def| has_value(self.analysis, def)));
+        let is_static = argument.is_some_and(|argument| argument.is_static);
+        all.extend(
+            self.visible(|def| has_value(self.analysis, def) && (!is_static || is_fixed(def.kind))),
+        );
         all.extend(self.builtin_names());
         all.extend(self.library_items(|kind| kind == LibraryKind::Value));
         all.extend(self.primitives());
@@ -133,7 +152,11 @@ impl ItemCollector<'_> {
     }
 
     fn types(&self) -> Vec<Candidate> {
-        let built_in = Scalar::ALL.iter().map(Scalar::to_string);
+        let built_in = Scalar::ALL.iter().map(|scalar| match scalar {
+            // Both spellings are known; programs use the one of the flow.
+            Scalar::Time => "time".to_owned(),
+            other => other.to_string(),
+        });
         let named = built_in.filter(|name| KEYWORDS.iter().all(|word| word.text != name));
         let new = |name: String| Candidate::new(Group::Builtin, &name, CompletionItemKind::STRUCT);
         let mut all = self.visible(|def| {
@@ -171,7 +194,14 @@ impl ItemCollector<'_> {
         let unit = |name: &str, doc: &str| {
             Candidate::new(Group::Local, name, CompletionItemKind::UNIT).with_detail(doc)
         };
-        UNITS.iter().map(|row| unit(row.name, row.doc)).collect()
+        let plain = UNITS.iter().map(|row| unit(row.name, row.doc));
+        // Units with a prefix are many, and are offered once a letter is typed.
+        let prefixes = PREFIXES.iter().filter(|_| !self.typed().is_empty());
+        let prefixed = prefixes.flat_map(|prefix| {
+            let scaled = UNITS.iter().filter(|row| row.takes_prefix);
+            scaled.map(move |row| unit(&format!("{prefix}{}", row.name), row.doc))
+        });
+        plain.chain(prefixed).collect()
     }
 
     /// Returns each module of the standard library and each other `.rpi` file in the folder of the program.
@@ -201,9 +231,8 @@ impl ItemCollector<'_> {
             .unwrap_or_default();
         let is_open = |id: &DefId| {
             let def = index.def(*id);
-            let is_static = def.kind == DefKind::StaticParam;
-            // A static parameter with a value can also be an in-port: `on_delay(x, delay: wanted)`.
-            let is_here = !argument.is_static || is_static;
+            // An in-port can also get a constant among the static arguments: `on_delay<<delay: 3[ms]>>(x)`.
+            let is_here = argument.is_static || def.kind != DefKind::StaticParam;
             is_here && !argument.passed.iter().any(|given| *given == *def.name)
         };
         let named = params.into_iter().filter(is_open).map(|id| {
@@ -211,6 +240,7 @@ impl ItemCollector<'_> {
             let new = self.def_candidate(Group::Argument, id);
             Candidate {
                 ty: String::new(),
+                is_expected: argument.is_static,
                 ..new.with_text(text)
             }
         });
@@ -319,6 +349,16 @@ impl ItemCollector<'_> {
         let section = sections.find(|section| section.span.contains(span));
         section.map(|section| section.kind)
     }
+}
+
+/// Returns whether the value of a definition of this kind is fixed when the program is loaded, or it can be computed from
+/// such values.
+fn is_fixed(kind: DefKind) -> bool {
+    use DefKind::{Const, EnumValue, Fragment, Function, Node, StaticParam, Type};
+    matches!(
+        kind,
+        Const | EnumValue | Fragment | Function | Node | StaticParam | Type
+    )
 }
 
 /// Returns whether a definition can stand in a value. Types can if they have fields, as in `Pair { left = 1.0 }`.

@@ -5,6 +5,7 @@ use std::collections::BTreeSet;
 use lsp_types::CompletionItemKind;
 use rpi_diag::FileId;
 use rpi_driver::Inspection;
+use rpi_image::Scalar;
 use rpi_prims::PrimId;
 use rpi_sema::query::{DefId, DefKind, FlowType, spatial_parts};
 use rpi_sema::ty::Ty;
@@ -22,7 +23,10 @@ pub(super) fn members(
     is_target: bool,
 ) -> Vec<Candidate> {
     let Some(last) = resolve(collector.analysis, collector.offset, path) else {
-        return primitive_ports(path);
+        return match spatial_part(collector, path) {
+            Some(part) => parts(Some(part)),
+            None => primitive_ports(path),
+        };
     };
     let index = collector.analysis.index();
     let is_possible = |id: &DefId| {
@@ -31,8 +35,8 @@ pub(super) fn members(
     };
     let members = index.members(last).into_iter().filter(is_possible);
     let members = members.map(|id| collector.def_candidate(Group::Local, id));
-    let types = collector.analysis.types_of(index.def(last));
-    members.chain(parts(types)).collect()
+    let scalar = spatial_type(collector.analysis, last);
+    members.chain(parts(scalar)).collect()
 }
 
 /// Returns the declaration to which a path of names such as `arm.pose` leads at an offset; `None` if a name is
@@ -49,15 +53,48 @@ pub(super) fn resolve(seen: &Inspection, offset: u32, path: &MemberPath) -> Opti
     names.try_fold(root, |owner, name| index.member(owner, name))
 }
 
+/// Returns the spatial type, such as pose, of a definition; `None` for any other type.
+fn spatial_type(seen: &Inspection, id: DefId) -> Option<Scalar> {
+    let def = seen.index().def(id);
+    if let Some(FlowType { ty, .. }) = seen.types_of(def).first() {
+        return match ty {
+            Ty::Spatial(scalar, _) => Some(*scalar),
+            _ => None,
+        };
+    }
+    // Constants are no flows; their declared type is `Pose`, or `Pose(tool in base)`.
+    let written = def.ty.map(|span| seen.sources.slice(span))?;
+    let name = written.split(|c: char| !c.is_alphanumeric()).next()?;
+    let mut all = Scalar::ALL.iter().copied();
+    all.find(|scalar| scalar.to_string() == name)
+}
+
+/// Returns the type of the part at the end of a path such as `pose.position`; `None` if the path is something else.
+fn spatial_part(collector: &ItemCollector<'_>, path: &MemberPath) -> Option<Scalar> {
+    let (part, rest) = path.rest.split_last()?;
+    let whole = MemberPath {
+        rest: rest.to_vec(),
+        ..path.clone()
+    };
+    let owner = resolve(collector.analysis, collector.offset, &whole)?;
+    let scalar = spatial_type(collector.analysis, owner)?;
+    let is_part = spatial_parts(scalar).any(|name| name == part);
+    match (scalar, part.as_str()) {
+        (Scalar::Pose, "rotation") => Some(Scalar::Rotation),
+        // The parts of poses, twists and wrenches are vectors; those of vectors are numbers.
+        (Scalar::Pose | Scalar::Twist | Scalar::Wrench, _) => is_part.then_some(Scalar::Vector),
+        _ => None,
+    }
+}
+
 /// Returns the parts of a value of a spatial type, such as the position and the rotation of a pose.
-fn parts(types: &[FlowType]) -> Vec<Candidate> {
-    let parts = types.iter().flat_map(|typed| match typed.ty {
-        Ty::Spatial(scalar, _) => spatial_parts(scalar).collect::<Vec<_>>(),
-        _ => Vec::new(),
-    });
-    let parts: BTreeSet<&str> = parts.collect();
+fn parts(scalar: Option<Scalar>) -> Vec<Candidate> {
     let part = |name: &str| Candidate::new(Group::Local, name, CompletionItemKind::PROPERTY);
-    parts.into_iter().map(part).collect()
+    scalar
+        .into_iter()
+        .flat_map(spatial_parts)
+        .map(part)
+        .collect()
 }
 
 /// Returns the out-ports of a primitive that is called before the dot.

@@ -4,6 +4,7 @@ use std::ops::Range;
 
 use rpi_syntax::{CommentKind, Dialect, SourceToken, SourceTokenKind, source_tokens};
 
+use super::expected::ExpectedType;
 use super::structure::{Bracket, Open, Structure};
 use crate::cursor_tokens::{self, CursorToken, strip_brackets};
 
@@ -57,6 +58,8 @@ pub(super) enum Place {
     Declaration,
     /// Word in the header of a declaration.
     Header,
+    /// Word after the name of a result in `finish done when`.
+    ResultCondition,
 }
 
 /// Path of names before the dot at the cursor, such as `way.pose` or `f(x).pose`.
@@ -83,17 +86,6 @@ pub(super) struct ArgumentContext {
     pub(super) position: usize,
 }
 
-/// What decides the type of the value at the cursor.
-#[derive(Clone, PartialEq, Eq, Debug)]
-pub(super) enum ExpectedType {
-    /// A value with this path, on the left of the equation or of the operator before the cursor.
-    SameAs(MemberPath),
-    /// Parameter of a callee, by its name.
-    Parameter(String, String),
-    /// A Boolean condition.
-    Condition,
-}
-
 impl Cursor {
     /// Returns the word and the place at a byte offset in `text`. Returns [`None`] where no declared name is possible:
     /// inside comments, strings and numbers, and where a new name is declared. `mode` is the language of the text.
@@ -108,7 +100,7 @@ impl Cursor {
         Some(Cursor {
             prefix: start..offset,
             place: place(&words)?,
-            expected: expected_type(&words),
+            expected: ExpectedType::from_tokens(&words),
         })
     }
 }
@@ -188,7 +180,7 @@ fn place(words: &[CursorToken<'_>]) -> Option<Place> {
     if expects_unit(words) {
         return Some(Place::Unit);
     }
-    let is_word = last.kind == SourceTokenKind::KeywordOrSymbol;
+    let is_word = is_keyword(&structure, last, before);
     if is_word && NEW_NAMES.contains(&last.text)
         || is_word && last.text == "fail" && !in_branch(words)
     {
@@ -206,6 +198,26 @@ fn place(words: &[CursorToken<'_>]) -> Option<Place> {
             None => in_statement(&structure, words),
         },
     }
+}
+
+/// Returns whether a token is a keyword. In unfinished text, some keywords are names for the lexer, because no name
+/// follows them.
+fn is_keyword(
+    structure: &Structure<'_, '_>,
+    word: &CursorToken<'_>,
+    before: &[CursorToken<'_>],
+) -> bool {
+    let previous = before.last().map_or(";", |word| word.text);
+    let begins = matches!(previous, ";" | "let" | "tel" | "end");
+    let in_steps = structure.body() == Some(Open::Steps);
+    let is_unfinished = match word.text {
+        "on" => in_steps,
+        "start" => in_steps && begins,
+        "finish" | "yield" | "fail" | "fragment" => begins && structure.body() == Some(Open::Body),
+        "use" | "include" => begins,
+        _ => false,
+    };
+    word.kind == SourceTokenKind::KeywordOrSymbol || is_unfinished
 }
 
 /// Returns whether a statement begins after the tokens.
@@ -301,10 +313,12 @@ fn in_statement(structure: &Structure<'_, '_>, words: &[CursorToken<'_>]) -> Opt
     let ends = matches!(last.text, ";" | "let" | "tel" | "end");
     Some(match structure.body() {
         Some(Open::Steps) if ends => Place::Step,
-        Some(Open::Steps) if ends_operand(last) => Place::AfterStep,
+        Some(Open::Steps) if ends_operand(last) || last.text == "|" => Place::AfterStep,
         Some(Open::States) if ends || last.text == "automaton" => Place::State,
         Some(Open::States) if ends_operand(last) && !in_transition(words) => Place::State,
         Some(Open::Body) if ends => Place::Statement,
+        Some(Open::Body) if is_result_name(words) => Place::ResultCondition,
+        Some(Open::Body) if follows(words, "fragment") => Place::Header,
         None if structure.in_header() && (ends || ends_operand(last)) => match in_section(words) {
             true => return None,
             false => Place::Header,
@@ -313,6 +327,19 @@ fn in_statement(structure: &Structure<'_, '_>, words: &[CursorToken<'_>]) -> Opt
         _ if ends_operand(last) => Place::Operator,
         _ => Place::Value(None),
     })
+}
+
+/// Returns whether the last token follows a keyword, as in `fragment F`.
+fn follows(words: &[CursorToken<'_>], keyword: &str) -> bool {
+    let before = words.len().checked_sub(2).map(|k| words[k].text);
+    before == Some(keyword)
+}
+
+/// Returns whether the last token is the name of a result, as in `finish done`.
+fn is_result_name(words: &[CursorToken<'_>]) -> bool {
+    ["finish", "yield", "fail"]
+        .iter()
+        .any(|keyword| follows(words, keyword))
 }
 
 /// Returns whether the condition of a transition is before the cursor.
@@ -387,7 +414,7 @@ fn expects_unit(words: &[CursorToken<'_>]) -> bool {
 
 /// Returns the path of names at the end of `words`, the tokens before a dot, and the number of its first token; `None`
 /// if they do not end with a name.
-fn member_path(words: &[CursorToken<'_>]) -> Option<(MemberPath, usize)> {
+pub(super) fn member_path(words: &[CursorToken<'_>]) -> Option<(MemberPath, usize)> {
     let mut rest = Vec::new();
     let mut left = words;
     loop {
@@ -415,30 +442,5 @@ fn member_path(words: &[CursorToken<'_>]) -> Option<(MemberPath, usize)> {
             rest,
         };
         return Some((path, before.len()));
-    }
-}
-
-/// Operators whose operands have the same type and unit.
-const SAME_TYPE: &[&str] = &["=", "+", "-", "<", ">", "<=", ">=", "<>", "->", "??"];
-
-/// Returns what decides the type of a value after the tokens; `None` if that is unknown.
-fn expected_type(words: &[CursorToken<'_>]) -> Option<ExpectedType> {
-    let (last, before) = words.split_last()?;
-    match last.text {
-        "if" | "when" | "not" | "and" | "or" | "until" | "unless" | "assert" | "xor" => {
-            Some(ExpectedType::Condition)
-        }
-        ":" => {
-            let structure = Structure::new(words);
-            let name = before.last()?.text.to_owned();
-            match structure.bracket() {
-                Some((_, Bracket::Call(callee))) => Some(ExpectedType::Parameter(callee, name)),
-                _ => None,
-            }
-        }
-        text if SAME_TYPE.contains(&text) => {
-            member_path(before).map(|(path, _)| ExpectedType::SameAs(path))
-        }
-        _ => None,
     }
 }

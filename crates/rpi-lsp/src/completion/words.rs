@@ -87,6 +87,7 @@ pub(super) fn keywords(
         Place::State => vec!["initial", "state", "unless", "until", "var", "let", "end"],
         Place::Result(_) => vec!["any", "fail"],
         Place::NextStep => vec!["end"],
+        Place::ResultCondition => vec!["when"],
         Place::Type => vec!["bool", "int", "real"],
         Place::Member(..)
         | Place::Unit

@@ -77,7 +77,15 @@ impl<'s> CodeContext<'s> {
                 let end = span.end + u32::try_from(line).unwrap_or(0);
                 Span::new(span.file, start, end)
             }
-            false => span,
+            false => {
+                // The space to the next statement in the same line.
+                let gap = rest.len() - rest.trim_start_matches(' ').len();
+                Span::new(
+                    span.file,
+                    span.start,
+                    span.end + u32::try_from(gap).unwrap_or(0),
+                )
+            }
         }
     }
 

@@ -100,9 +100,9 @@ fn converted(quantity: &Quantity, unit: &str) -> Option<String> {
         to.factor.apply(read).to_bits() == value.to_bits()
     });
     let text = exact.next()?;
-    let is_integer = !text.contains('.');
-    // Integers and reals with a unit are the same; a very long integer is hard to read.
-    (text.len() <= MAX_LENGTH && (!is_integer || number.abs() < 1e9)).then_some(text)
+    // A number with many digits before or after the point is hard to read.
+    let is_readable = (1e-3..1e6).contains(&number.abs()) || number == 0.0;
+    (text.len() <= MAX_LENGTH && is_readable).then_some(text)
 }
 
 /// Maximum number of decimals of a converted number.
