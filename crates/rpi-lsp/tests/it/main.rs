@@ -10,5 +10,6 @@ mod methods;
 mod navigation;
 mod refactor;
 mod rename;
+mod rename_programs;
 mod robustness;
 mod support;

@@ -1,22 +1,20 @@
 //! Renaming: in all programs of a project, with the conflicts that it must report.
 
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
-use rpi_driver::{Compiled, compile, emit, read};
-use rpi_testkit::{files_below, workspace_root};
 use serde_json::{Value, json};
 
 use crate::edits::{apply, changes};
-use crate::support::{Session, connect, position, position_of};
+use crate::support::{Session, connect, position};
 
 /// Project in a temporary folder, opened by a session.
-struct Project {
-    dir: tempfile::TempDir,
-    session: Session,
+pub(crate) struct Project {
+    pub(crate) dir: tempfile::TempDir,
+    pub(crate) session: Session,
 }
 
 impl Project {
-    fn new(files: &[(&str, &str)]) -> Project {
+    pub(crate) fn new(files: &[(&str, &str)]) -> Project {
         let dir = tempfile::tempdir().unwrap();
         for (name, text) in files {
             std::fs::write(dir.path().join(name), text).unwrap();
@@ -30,7 +28,7 @@ impl Project {
         Project { dir, session }
     }
 
-    fn path(&self, name: &str) -> PathBuf {
+    pub(crate) fn path(&self, name: &str) -> PathBuf {
         self.dir.path().join(name)
     }
 
@@ -42,13 +40,13 @@ impl Project {
         std::fs::read_to_string(self.path(name)).unwrap()
     }
 
-    fn open(&mut self, name: &str) {
+    pub(crate) fn open(&mut self, name: &str) {
         let (uri, text) = (self.uri(name), self.text(name));
         self.session.client.open(&uri, &text);
     }
 
     /// Returns the response to the request to rename the name at a position.
-    fn rename(&mut self, name: &str, position: &Value, new: &str) -> Value {
+    pub(crate) fn rename(&mut self, name: &str, position: &Value, new: &str) -> Value {
         let params = json!({
             "textDocument": { "uri": self.uri(name) },
             "position": position,
@@ -282,197 +280,4 @@ fn values_that_a_command_takes_over_keep_the_name_of_the_export() {
         );
     }
     project.session.shut_down().unwrap();
-}
-
-/// Suffix of the new names, which no program contains.
-const SUFFIX: &str = "_zq";
-
-/// Number of names of which one is renamed, in the order of the programs. `RPI_ALL_NAMES=1` renames every one, which
-/// takes several minutes.
-const SAMPLE: usize = 40;
-
-/// Every name of every example and of the library, one at a time: the project compiles to the same units and images but
-/// for the renamed name.
-#[test]
-fn renamed_programs_compile_to_the_same_images() {
-    let step = match std::env::var_os("RPI_ALL_NAMES") {
-        Some(_) => 1,
-        None => SAMPLE,
-    };
-    let (mut seen, mut renamed) = (0, 0);
-    for folder in project_folders() {
-        let files = files_in(&folder);
-        let texts: Vec<(String, String)> = files.iter().map(|path| named_text(path)).collect();
-        let texts: Vec<(&str, &str)> = texts
-            .iter()
-            .map(|(a, b)| (a.as_str(), b.as_str()))
-            .collect();
-        let mut project = Project::new(&texts);
-        let before = images(project.dir.path());
-        for (name, text) in texts.iter().filter(|(name, _)| name.ends_with(".rpi")) {
-            project.open(name);
-            for (offset, old) in declared_names(&project.path(name), text) {
-                seen += 1;
-                if seen % step == 0 {
-                    renamed += 1;
-                    check_rename(&mut project, (name, text), (offset, &old), &before);
-                }
-            }
-        }
-        project.session.shut_down().unwrap();
-    }
-    assert!(renamed > 20, "{renamed} of {seen} names");
-    println!("{renamed} of {seen} names renamed");
-}
-
-fn check_rename(
-    project: &mut Project,
-    (file, text): (&str, &str),
-    (offset, old): (usize, &str),
-    before: &[CompiledText],
-) {
-    let new = format!("{old}{SUFFIX}");
-    let answer = project.rename(file, &position_of(text, offset), &new);
-    assert!(
-        answer.get("error").is_none(),
-        "{file}: `{old}` at {offset}: {answer}"
-    );
-    let mut kept = Vec::new();
-    for (uri, edits) in changes(&answer["result"]) {
-        let path = PathBuf::from(uri.strip_prefix("file://").unwrap());
-        let text = std::fs::read_to_string(&path).unwrap();
-        std::fs::write(&path, apply(&text, &edits)).unwrap();
-        kept.push((path, text));
-    }
-    assert!(!kept.is_empty(), "{file}: `{old}` at {offset} has no edits");
-    let after = images(project.dir.path());
-    for (path, text) in kept {
-        std::fs::write(path, text).unwrap();
-    }
-    let place = format!("after the rename of `{old}` at {offset} in {file}");
-    assert_eq!(before.len(), after.len(), "{place}");
-    for (before, after) in before.iter().zip(&after) {
-        let units = after.units.replace(SUFFIX, "");
-        assert_eq!(
-            first_difference(&before.units, &units, sorted_lines),
-            None,
-            "units {place}"
-        );
-        let images = after.images.replace(SUFFIX, "");
-        assert_eq!(
-            first_difference(&before.images, &images, sorted_words),
-            None,
-            "images {place}"
-        );
-    }
-}
-
-/// Returns the first parts of two texts that differ; an empty part if one text has more of them.
-fn first_difference(
-    before: &str,
-    after: &str,
-    parts: fn(&str) -> Vec<String>,
-) -> Option<(String, String)> {
-    let (mut before, mut after) = (parts(before), parts(after));
-    let length = before.len().max(after.len());
-    before.resize(length, String::new());
-    after.resize(length, String::new());
-    before.into_iter().zip(after).find(|(a, b)| a != b)
-}
-
-/// Returns the lines of a text in order: some tables are sorted by name.
-fn sorted_lines(text: &str) -> Vec<String> {
-    let mut lines: Vec<String> = text.lines().map(str::to_owned).collect();
-    lines.sort();
-    lines
-}
-
-/// Returns the words of a text in order, without the numbers of slots. Steps without a dependency between them are
-/// ordered by the names in the program, so that a new name may change the order and the number of steps in a row.
-fn sorted_words(text: &str) -> Vec<String> {
-    let is_separator = |c: char| c.is_whitespace() || ",;()".contains(c);
-    let is_slot = |word: &str| {
-        let digits = word.trim_start_matches(['v', 'x', 's', 'c', '#', '%', '@']);
-        digits.chars().all(|c| c.is_ascii_digit())
-    };
-    let plain = |word: &str| match word.split_once(':') {
-        Some((slot, name)) if is_slot(slot) => name.to_owned(),
-        _ => word.to_owned(),
-    };
-    let words = text.split(is_separator).map(plain);
-    let mut words: Vec<String> = words
-        .filter(|word| !is_slot(word) && !word.contains("::"))
-        .collect();
-    words.sort();
-    words
-}
-
-fn project_folders() -> Vec<PathBuf> {
-    let root = workspace_root();
-    let files = files_below("examples", &[".rpi"]);
-    let mut folders: Vec<PathBuf> = files
-        .iter()
-        .map(|path| path.parent().unwrap().to_owned())
-        .collect();
-    folders.push(root.join("stdlib"));
-    folders.sort();
-    folders.dedup();
-    folders
-}
-
-fn files_in(folder: &Path) -> Vec<PathBuf> {
-    let entries = std::fs::read_dir(folder)
-        .unwrap()
-        .map(|entry| entry.unwrap().path());
-    let mut files: Vec<PathBuf> = entries.filter(|path| path.is_file()).collect();
-    files.sort();
-    files
-}
-
-fn named_text(path: &Path) -> (String, String) {
-    let name = path.file_name().unwrap().to_string_lossy().into_owned();
-    (name, std::fs::read_to_string(path).unwrap())
-}
-
-/// Returns the place and the text of every name that a program declares and that can be renamed.
-fn declared_names(path: &Path, text: &str) -> Vec<(usize, String)> {
-    let seen = rpi_driver::inspect(path, text, &rpi_driver::DiskLoader);
-    let defs = seen
-        .index()
-        .defs_in(rpi_diag::FileId(0))
-        .map(|(_, def)| def);
-    use rpi_sema::query::DefKind::{Module, Primitive, Test};
-    let named = defs.filter(|def| !matches!(def.kind, Module | Primitive | Test));
-    let mut names: Vec<(usize, String)> = named
-        .map(|def| (def.span.start as usize, def.name.to_string()))
-        .collect();
-    names.sort();
-    names
-}
-
-/// Program after compilation, as text: its typed units, and the images of its commands and tests.
-struct CompiledText {
-    units: String,
-    images: String,
-}
-
-/// Compiles all programs in a folder, in the order of their names.
-fn images(folder: &Path) -> Vec<CompiledText> {
-    let files = files_in(folder).into_iter();
-    let programs = files.filter(|path| path.extension().is_some_and(|e| e == "rpi"));
-    let text = |path: PathBuf| {
-        let input = read(&path).unwrap();
-        let compiled: Compiled = compile(&input).unwrap();
-        let faults = &compiled.diagnostics;
-        assert!(!compiled.has_errors(), "{}: {faults:?}", path.display());
-        let tests = compiled.tests.iter().map(|test| &test.net);
-        let nets = compiled.nets().iter().chain(tests);
-        CompiledText {
-            units: emit::typed(&input).unwrap(),
-            images: nets
-                .map(|net| emit::image(net, 1_000_000).unwrap())
-                .collect(),
-        }
-    };
-    programs.map(text).collect()
 }
