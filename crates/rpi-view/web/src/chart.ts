@@ -179,7 +179,7 @@ export class Chart {
       cursor: { y: false, drag: { x: true, y: false, setScale: false } },
       scales: { x: { time: false, auto: false }, y: { auto: false } },
       axes: [
-        { ...axis, size: 32, values: (_, ticks) => ticks.map((t) => `${+t.toFixed(6)}`) },
+        { ...axis, size: 32, values: (_, ticks) => ticks.map((t) => `${+t.toFixed(6)} s`) },
         { ...axis, size: 64, label: this.unit(), labelSize: 18, values: (_, ticks) => ticks.map(axisText) },
       ],
       series: [

@@ -19,20 +19,22 @@ export function shownEvents(recording: Recording): ShownEvent[] {
   const { head } = recording;
   const roots = head.activity.filter((a) => a.path === "");
   const shown: ShownEvent[] = [];
+  const moving = new Map<string, boolean>();
   for (const event of head.events) {
+    if (event.event === "device") moving.set(event.device ?? "", event.moving === true);
     const failed = event.event === "answer" && event.refused !== null;
     if (INTERNAL.has(event.event) && !failed && !(event.event === "rule" && event.outcome !== "fired")) continue;
-    shown.push({ tick: event.tick, command: event.command, ...describe(event, roots) });
+    shown.push({ tick: event.tick, command: event.command, ...describe(event, roots, moving) });
   }
   return shown.sort((a, b) => a.tick - b.tick);
 }
 
-function describe(event: RecordedEvent, roots: ActivityHead[]): { text: string; severity: Severity } {
+function describe(event: RecordedEvent, roots: ActivityHead[], moving: Map<string, boolean>): { text: string; severity: Severity } {
   const info = (text: string, severity: Severity = "info") => ({ text, severity });
   const name = event.command ?? event.device ?? "";
   switch (event.event) {
     case "started": {
-      const before = predecessor(event, roots);
+      const before = predecessor(event, roots, moving);
       return before ? info(`${name} takes over from ${before}`, "takeover") : info(`${name} starts`);
     }
     case "ended":
@@ -64,9 +66,10 @@ function ending(event: RecordedEvent): { text: string; severity: Severity } {
   return { text: `${command}: ${cause}${what ? `, ${what}` : ""} after ${after}`, severity: "error" };
 }
 
-/** Returns the command that ended just before a command with a common device started; `undefined` if there is none. */
-function predecessor(event: RecordedEvent, roots: ActivityHead[]): string | undefined {
+/** Returns the command from which a command takes over a device in motion; `undefined` if there is none. */
+function predecessor(event: RecordedEvent, roots: ActivityHead[], moving: Map<string, boolean>): string | undefined {
   const own = roots.find((a) => a.id === event.id);
-  const ends = (a: ActivityHead) => a.spans.some(([, to]) => to === event.tick) && a.devices.some((d) => own?.devices.includes(d));
+  const devices = own?.devices.filter((device) => moving.get(device)) ?? [];
+  const ends = (a: ActivityHead) => a.spans.some(([, to]) => to === event.tick) && a.devices.some((d) => devices.includes(d));
   return own && roots.find((a) => a !== own && ends(a))?.command;
 }

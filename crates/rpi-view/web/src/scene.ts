@@ -228,9 +228,9 @@ export class CellView {
       reach = Math.max(reach, Math.hypot(arm.flange[0]!, arm.flange[1]!, arm.flange[2]!));
     }
     centre.divideScalar(Math.max(1, this.arms.length));
-    this.controls.target.copy(centre).add(new Vector3(0.2 * reach, 0, 0.4 * reach));
+    this.controls.target.copy(centre).add(new Vector3(0.2 * reach, 0, 0.35 * reach));
     const spread = Math.max(...this.state.recording.head.arms.map((a) => Math.hypot(a.base[0]! - centre.x, a.base[1]! - centre.y)), 0);
-    this.camera.position.copy(this.controls.target).add(new Vector3(1.5, -1.4, 0.9).multiplyScalar(reach + spread));
+    this.camera.position.copy(this.controls.target).add(new Vector3(1.05, -1.0, 0.6).multiplyScalar(reach + 0.8 * spread));
     this.controls.update();
     this.requestDraw();
   }

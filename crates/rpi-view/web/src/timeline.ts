@@ -22,6 +22,8 @@ export class Timeline {
   private readonly cursor = document.createElement("div");
   private readonly lanes: Row[];
   private rows: Row[] = [];
+  /** Height in pixels. */
+  private readonly height: number;
   private shownCommand = "";
 
   constructor(
@@ -33,7 +35,12 @@ export class Timeline {
     this.cursor.className = "cursor";
     this.canvas.setAttribute("aria-hidden", "true");
     host.append(this.canvas, this.cursor);
-    this.lanes = lanes(state.recording.head.activity);
+    const { activity } = state.recording.head;
+    this.lanes = lanes(activity);
+    // Room for the rows of any command, so that the page does not move while the command changes.
+    const most = Math.max(...colours.names().map((command) => fragments(activity, command).length), 0);
+    this.height = (this.lanes.length + 1 + most) * ROW + 2;
+    host.style.height = `${this.height}px`;
     host.addEventListener("pointerdown", (event) => this.drag(event));
     host.addEventListener("wheel", (event) => this.wheel(event), { passive: false });
     new ResizeObserver(() => this.draw()).observe(host);
@@ -85,13 +92,8 @@ export class Timeline {
   private draw(): void {
     const [width, scale] = [this.host.clientWidth, devicePixelRatio];
     if (width === 0) return;
-    const rows = this.rows.length + 1;
-    // Room for the rows of any command, so that the page does not move while the command changes.
-    const height = (this.lanes.length + 1 + MAX_FRAGMENTS) * ROW;
-    const used = Math.min(height, Math.max(rows, this.lanes.length + 3) * ROW);
-    this.host.style.height = `${Math.max(used, this.host.clientHeight)}px`;
     this.canvas.width = width * scale;
-    this.canvas.height = Math.max(used, this.host.clientHeight) * scale;
+    this.canvas.height = this.height * scale;
     const context = this.canvas.getContext("2d");
     if (!context) return;
     context.scale(scale, scale);

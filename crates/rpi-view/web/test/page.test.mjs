@@ -1,5 +1,6 @@
-// Tests of the page in Chromium. RPI_REPORTS is a folder with `blending.html` and `lifting.html`, RPI_VIEW_URL the
-// address of `rpi view` for the recording of `blending`; `crates/rpi/tests/view.rs` makes all three.
+// Tests of the page in Chromium. RPI_REPORTS is a folder with the reports `blending.html`, `lifting.html` and
+// `long.html`, RPI_VIEW_URL the address of `rpi view` for the recording of `blending`; `crates/rpi/tests/view.rs` makes
+// them.
 
 import assert from "node:assert/strict";
 import { readFileSync } from "node:fs";
@@ -157,22 +158,29 @@ test("every control has a name, and both themes have enough contrast", async () 
   }
 });
 
-test("an update takes at most 33 ms with 100 000 samples per flow", async () => {
-  const page = await open(browser, report("blending"));
-  const times = await page.evaluate(async () => {
-    const { recording, state } = window.rpiView;
-    const frame = () => new Promise((done) => requestAnimationFrame(() => requestAnimationFrame(done)));
-    const times = [];
-    for (let k = 0; k < 30; k++) {
-      state.seek(recording.first + ((k * 7919) % recording.last));
-      if (k % 2) state.show(k * 100, recording.last - k * 100);
-      await frame();
-      times.push(state.updateMs);
-    }
-    return times;
-  });
-  times.sort((a, b) => a - b);
-  console.log(`script per update: median ${times[15].toFixed(1)} ms, longest ${times[29].toFixed(1)} ms`);
-  assert.ok(times[15] <= 33, `${times}`);
+test("an update takes at most 33 ms of script with 100 000 samples per flow", async () => {
+  const page = await open(browser, report("long"));
+  const cycles = await page.evaluate(() => window.rpiView.recording.last + 1);
+  assert.ok(cycles > 100_000, `${cycles} cycles`);
+  const client = await page.context().newCDPSession(page);
+  // Time of the thread and not of the clock, so that other processes do not count.
+  await client.send("Performance.enable", { timeDomain: "threadTicks" });
+  const script = async () => (await client.send("Performance.getMetrics")).metrics.find((m) => m.name === "ScriptDuration").value;
+  // Each update moves the cycle and the visible time: all charts on the screen are drawn anew.
+  const updates = (count) =>
+    page.evaluate(async (count) => {
+      const { recording, state } = window.rpiView;
+      for (let k = 1; k <= count; k++) {
+        state.seek(recording.first + ((k * 7919) % recording.last));
+        state.show(k * 100, recording.last - k * 100);
+        await new Promise((done) => requestAnimationFrame(() => requestAnimationFrame(done)));
+      }
+    }, count);
+  await updates(5);
+  const before = await script();
+  await updates(40);
+  const each = ((await script()) - before) / 40 * 1e3;
+  console.log(`script per update with ${cycles} samples per flow: ${each.toFixed(1)} ms`);
+  assert.ok(each > 0 && each <= 33, `${each} ms`);
   await page.close();
 });
