@@ -33,19 +33,21 @@ function firstCharts(recording: Recording): ChartContent[] {
   const sorted = [...families].sort(([a], [b]) => rank(a) - rank(b));
   const charts: ChartContent[] = [];
   for (const [family, flows] of sorted) {
-    const measured = family.startsWith("/sensors/");
-    const beside = measured ? charts.find((chart) => isMeasuredBeside(family, chart.title)) : undefined;
-    const lines = flows.slice(0, MAX_LINES).map((flow, k) => ({ flow, label: lineLabel(flow), measured, colour: k }));
-    if (beside) beside.lines.push(...lines.map((line) => ({ ...line, label: `${line.label} measured` })));
-    else charts.push({ title: family.replace(/^\//, ""), lines: lines.map((line) => ({ ...line, measured: false })) });
+    const commanded = commandedBeside(family);
+    const beside = charts.find((chart) => chart.title === commanded);
+    const lines = flows.slice(0, MAX_LINES).map((flow, k) => ({ flow, label: lineLabel(flow), measured: false, colour: k }));
+    if (beside) beside.lines.push(...lines.map((line) => ({ ...line, label: `${line.label} measured`, measured: true })));
+    else charts.push({ title: family.replace(/^\//, ""), lines });
   }
   return charts.slice(0, MAX_CHARTS);
 }
 
-/** Returns whether a family of measured joint positions belongs into the chart of the commanded ones. */
-function isMeasuredBeside(family: string, title: string): boolean {
-  const device = family.split("/")[2]?.split(".")[0];
-  return /joints?\.(measured_)?position$|\.joints$/.test(family) && title === `device/${device}.joint.commanded_position`;
+/** Returns the title of the chart with the commanded values of a family of measured ones; empty for another family. */
+function commandedBeside(family: string): string {
+  const [, device, name] = /^\/sensors\/([^.]+)\.(.*)$/.exec(family) ?? [];
+  if (name === "joint.measured_position") return `device/${device}.joint.commanded_position`;
+  const isTool = name === "measured.position" || name === "tcp.measured_position.position";
+  return isTool ? `device/${device}.tcp.commanded_position.position` : "";
 }
 
 function lineLabel(flow: Flow): string {
