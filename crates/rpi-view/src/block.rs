@@ -73,7 +73,8 @@ fn round(column: &Column) -> Option<(i32, Vec<i32>)> {
     }
     let exponent = match column.kind {
         ColumnKind::Bool | ColumnKind::Int => 0,
-        ColumnKind::Real => binary_exponent(largest) + 1 - BITS,
+        // The largest value must not be rounded up beyond 31 bits.
+        ColumnKind::Real => binary_exponent(largest * (1.0 + power_of_two(1 - BITS))) + 1 - BITS,
     };
     // Two factors, because one would overflow for the smallest numbers.
     let (half, rest) = (exponent / 2, exponent - exponent / 2);
@@ -190,6 +191,7 @@ mod tests {
             vec![-3.1, 2.0, 0.125, -0.0],
             vec![1e300, -1e300, 1.0],
             vec![4e-13, 3e-13],
+            vec![f64::from_bits(0.25_f64.to_bits() - 1), 0.1],
             vec![2.0, -2.0, 2.0, -2.0, 2.0, -2.0],
         ];
         for values in cases {

@@ -29,7 +29,8 @@ fn has_node() -> bool {
 
 /// Reports a skipped test past the test harness, which captures the output of passing tests.
 fn report_skip(what: &str) {
-    let line = format!("SKIPPED: {what}: no Node, or `npm ci` was not run in crates/rpi-view/web\n");
+    let line =
+        format!("SKIPPED: {what}: no Node, or `npm ci` was not run in crates/rpi-view/web\n");
     std::io::stderr().write_all(line.as_bytes()).unwrap();
 }
 

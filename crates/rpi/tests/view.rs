@@ -19,7 +19,12 @@ fn example(name: &str) -> PathBuf {
 /// Runs a program with these options and the option `--report`. Returns the path of the report in `folder`.
 fn report(program: &Path, name: &str, folder: &Path, options: &[&str]) -> PathBuf {
     let file = folder.join(format!("{name}.html"));
-    let mut arguments = vec!["run", program.to_str().unwrap(), "--report", file.to_str().unwrap()];
+    let mut arguments = vec![
+        "run",
+        program.to_str().unwrap(),
+        "--report",
+        file.to_str().unwrap(),
+    ];
     arguments.extend(options);
     let run = rpi(&arguments);
     assert_eq!(run.status.code(), Some(0), "{}", output_text(&run));
@@ -50,7 +55,11 @@ impl View {
     fn request(&self, method: &str, path: &str, host: &str) -> Vec<u8> {
         let address = self.url.trim_start_matches("http://").trim_end_matches('/');
         let mut connection = TcpStream::connect(address).unwrap();
-        write!(connection, "{method} {path} HTTP/1.1\r\nHost: {host}\r\n\r\n").unwrap();
+        write!(
+            connection,
+            "{method} {path} HTTP/1.1\r\nHost: {host}\r\n\r\n"
+        )
+        .unwrap();
         let mut response = Vec::new();
         connection.read_to_end(&mut response).unwrap();
         response
@@ -75,7 +84,10 @@ fn a_report_is_one_small_file_and_leaves_no_other() {
     let size = std::fs::metadata(&file).unwrap().len();
     assert!((100_000..MAX_REPORT).contains(&size), "{size} bytes");
     println!("report of examples/blending: {size} bytes");
-    let files: Vec<_> = std::fs::read_dir(folder.path()).unwrap().flatten().collect();
+    let files: Vec<_> = std::fs::read_dir(folder.path())
+        .unwrap()
+        .flatten()
+        .collect();
     assert_eq!(files.len(), 1, "{files:?}");
 }
 
@@ -84,7 +96,12 @@ fn the_server_shows_the_recording_to_this_machine_only() {
     let folder = tempfile::tempdir().unwrap();
     let recording = folder.path().join("out.mcap");
     let program = example("lifting");
-    let options = ["run", program.to_str().unwrap(), "--record", recording.to_str().unwrap()];
+    let options = [
+        "run",
+        program.to_str().unwrap(),
+        "--record",
+        recording.to_str().unwrap(),
+    ];
     let run = rpi(&options);
     assert_eq!(run.status.code(), Some(0), "{}", output_text(&run));
     let view = View::start(&recording);
@@ -96,9 +113,18 @@ fn the_server_shows_the_recording_to_this_machine_only() {
     let document = view.request("GET", "/document", view.host());
     let magic = b"RPIVIEW1";
     assert!(document.windows(magic.len()).any(|part| part == magic));
-    assert!(view.request("GET", "/", "evil.example").starts_with(b"HTTP/1.1 403"));
-    assert!(view.request("POST", "/", view.host()).starts_with(b"HTTP/1.1 405"));
-    assert!(view.request("GET", "/x", view.host()).starts_with(b"HTTP/1.1 404"));
+    assert!(
+        view.request("GET", "/", "evil.example")
+            .starts_with(b"HTTP/1.1 403")
+    );
+    assert!(
+        view.request("POST", "/", view.host())
+            .starts_with(b"HTTP/1.1 405")
+    );
+    assert!(
+        view.request("GET", "/x", view.host())
+            .starts_with(b"HTTP/1.1 404")
+    );
 }
 
 #[test]
@@ -109,17 +135,32 @@ fn invalid_requests_are_reported() {
     assert_eq!(view.status.code(), Some(2), "{}", output_text(&view));
     let same = folder.path().join("same.mcap");
     let (program, same) = (example("lifting"), same.to_str().unwrap());
-    let run = rpi(&["run", program.to_str().unwrap(), "--record", same, "--report", same]);
+    let run = rpi(&[
+        "run",
+        program.to_str().unwrap(),
+        "--record",
+        same,
+        "--report",
+        same,
+    ]);
     assert_eq!(run.status.code(), Some(2), "{}", output_text(&run));
-    assert!(output_text(&run).contains("--report"), "{}", output_text(&run));
+    assert!(
+        output_text(&run).contains("--report"),
+        "{}",
+        output_text(&run)
+    );
 }
 
 /// Returns the folder of the page if its packages are installed, with Node and Chromium.
 fn browser_tests() -> Option<PathBuf> {
     let web = rpi_testkit::workspace_root().join("crates/rpi-view/web");
     let script = "import('./test/browser.mjs').then((b) => process.exit(b.chromiumPath() ? 0 : 1))";
-    let node = Command::new("node").args(["-e", script]).current_dir(&web).output();
-    node.is_ok_and(|output| output.status.success()).then_some(web)
+    let node = Command::new("node")
+        .args(["-e", script])
+        .current_dir(&web)
+        .output();
+    node.is_ok_and(|output| output.status.success())
+        .then_some(web)
 }
 
 #[test]
@@ -155,7 +196,11 @@ fn twice_as_long(folder: &Path) -> PathBuf {
     assert!(text.contains("repeat 9 times"));
     let folder = folder.join("long");
     std::fs::create_dir(&folder).unwrap();
-    std::fs::copy(program.with_file_name("cell.toml"), folder.join("cell.toml")).unwrap();
+    std::fs::copy(
+        program.with_file_name("cell.toml"),
+        folder.join("cell.toml"),
+    )
+    .unwrap();
     let long = folder.join("long.rpi");
     std::fs::write(&long, text.replace("repeat 9 times", "repeat 18 times")).unwrap();
     long

@@ -154,7 +154,7 @@ export class Chart {
     this.plot.batch(() => {
       this.plot!.setData(data, false);
       this.plot!.setScale("x", { min: from, max: to });
-      const [low, high] = extent(data.slice(1) as (number | null)[][]);
+      const [low, high] = extent([...(data.slice(1) as (number | null)[][]), this.shadedLimits()]);
       this.plot!.setScale("y", { min: low, max: high });
     });
     if (this.cursor.parentElement !== this.plot.over) this.plot.over.append(this.cursor);
@@ -206,11 +206,18 @@ export class Chart {
     return units.size === 1 ? [...units][0]! : "";
   }
 
+  /** Returns the limits of the only visible axis, which its chart contains; empty for several axes. */
+  private shadedLimits(): number[] {
+    const shown = this.content.lines.filter((_, k) => this.visible[k]);
+    const isOne = new Set(shown.map((line) => line.flow.index)).size === 1;
+    return (isOne && limits(this.state.recording.head.arms, shown[0]!.flow, this.order)) || [];
+  }
+
   /** Shades what lies outside of the limits of the only visible line; for several lines, draws their limits. */
   private drawLimits(plot: uPlot): void {
     const { ctx, bbox } = plot;
     const shown = this.content.lines.filter((_, k) => this.visible[k]);
-    const joints = new Set(shown.map((line) => line.flow.index));
+    const isOne = this.shadedLimits().length > 0;
     ctx.save();
     ctx.beginPath();
     ctx.rect(bbox.left, bbox.top, bbox.width, bbox.height);
@@ -219,7 +226,7 @@ export class Chart {
       const range = limits(this.state.recording.head.arms, line.flow, this.order);
       if (!range) continue;
       const [low, high] = range.map((value) => plot.valToPos(value, "y", true)) as [number, number];
-      if (joints.size === 1) {
+      if (isOne) {
         ctx.fillStyle = style("--limit");
         ctx.fillRect(bbox.left, bbox.top, bbox.width, high - bbox.top);
         ctx.fillRect(bbox.left, low, bbox.width, bbox.top + bbox.height - low);

@@ -20,13 +20,15 @@ export function shownEvents(recording: Recording): ShownEvent[] {
   const roots = head.activity.filter((a) => a.path === "");
   const shown: ShownEvent[] = [];
   const moving = new Map<string, boolean>();
-  for (const event of head.events) {
+  // The core and the devices report apart, so that events arrive in another order.
+  const events = [...head.events].sort((a, b) => a.tick - b.tick);
+  for (const event of events) {
     if (event.event === "device") moving.set(event.device ?? "", event.moving === true);
     const failed = event.event === "answer" && event.refused !== null;
     if (INTERNAL.has(event.event) && !failed && !(event.event === "rule" && event.outcome !== "fired")) continue;
     shown.push({ tick: event.tick, command: event.command, ...describe(event, roots, moving) });
   }
-  return shown.sort((a, b) => a.tick - b.tick);
+  return shown;
 }
 
 function describe(event: RecordedEvent, roots: ActivityHead[], moving: Map<string, boolean>): { text: string; severity: Severity } {

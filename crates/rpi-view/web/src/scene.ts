@@ -70,7 +70,7 @@ class ArmObject {
     parent.add(end);
     place(this.tool, arm.tool);
     this.link(end, this.tool.position.clone(), radius * 0.5);
-    this.tool.add(new AxesHelper(0.12), new Mesh(new SphereGeometry(0.012), this.housings));
+    this.tool.add(new AxesHelper(0.16), new Mesh(new SphereGeometry(0.012), this.housings));
     end.add(this.tool);
   }
 
