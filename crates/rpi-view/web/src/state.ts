@@ -4,7 +4,7 @@ import type { Recording } from "./document";
 
 type Listener = () => void;
 
-/** The shown tick and the visible range of ticks. Parts of the page are told of changes in the next frame. */
+/** The shown tick and the visible range of ticks. Parts of the page are notified of changes in the next frame. */
 export class ViewState {
   private tickListeners: Listener[] = [];
   private rangeListeners: Listener[] = [];
