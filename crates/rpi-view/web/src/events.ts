@@ -24,6 +24,7 @@ export function shownEvents(recording: Recording): ShownEvent[] {
   const events = [...head.events].sort((a, b) => a.tick - b.tick);
   for (const event of events) {
     if (event.event === "device") moving.set(event.device ?? "", event.moving === true);
+    if (event.tick < recording.first || event.tick > recording.last) continue;
     const failed = event.event === "answer" && event.refused !== null;
     if (INTERNAL.has(event.event) && !failed && !(event.event === "rule" && event.outcome !== "fired")) continue;
     shown.push({ tick: event.tick, command: event.command, ...describe(event, roots, moving) });
