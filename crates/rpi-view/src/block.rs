@@ -200,7 +200,7 @@ mod tests {
             let largest = values.iter().fold(0.0_f64, |m, v| m.max(v.abs()));
             for (value, back) in values.iter().zip(decode(&block)) {
                 let error = (value - back).abs();
-                assert!(error <= largest * 2.0_f64.powi(-30), "{value} {back}");
+                assert!(error <= largest * power_of_two(-30), "{value} {back}");
             }
         }
     }
