@@ -66,6 +66,13 @@ pub(super) fn taps(cell: &Cell, bank: &mut SimBank) -> (Box<[DeviceTap]>, Vec<Ch
     (taps.into(), channels)
 }
 
+/// Returns the channels of the device ports of a cell that are sampled in every tick, in the order of their indices in
+/// a tick log. `tick_ns` is the tick length in nanoseconds.
+#[must_use]
+pub fn sampled_channels(cell: &Cell, tick_ns: u64) -> Vec<Channel> {
+    taps(cell, &mut SimBank::new(cell, tick_ns as f64 * 1e-9)).1
+}
+
 fn channel_name(device: &str, port: &str, index: usize, count: usize) -> String {
     match count {
         1 => format!("{device}.{port}"),
