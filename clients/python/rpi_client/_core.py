@@ -10,6 +10,7 @@ from dataclasses import dataclass
 from types import TracebackType
 from typing import TYPE_CHECKING, Any, Callable
 
+from ._states import OnLoss
 from ._wire import Wire, open_wire
 
 if TYPE_CHECKING:
@@ -78,12 +79,12 @@ class Core:
         await self._wire.send(text)
         return await answer
 
-    async def open_session(self, name: str, on_loss: str = "cancel", grace: float | None = None) -> Session:
-        """Opens a session; ``on_loss`` (``cancel``, ``run-on``, ``abort``) says what becomes of its commands without us, and
+    async def open_session(self, name: str, on_loss: OnLoss | str = OnLoss.CANCEL, grace: float | None = None) -> Session:
+        """Opens a session; ``on_loss`` says what becomes of its commands without us, and
         ``grace`` within how many seconds a cancelled command must end before it is aborted."""
         from ._goal import Session
 
-        opened = await self.call("session.open", name=name, on_loss=on_loss, grace=grace)
+        opened = await self.call("session.open", name=name, on_loss=str(on_loss), grace=grace)
         return Session(self, opened["session"])
 
     async def identity(self) -> Identity:
