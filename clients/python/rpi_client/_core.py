@@ -76,7 +76,12 @@ class Core:
         text = json.dumps(request, allow_nan=False)
         answer: asyncio.Future[Any] = asyncio.get_running_loop().create_future()
         self._waiting[number] = answer
-        await self._wire.send(text)
+        try:
+            await self._wire.send(text)
+        except BaseException:
+            # Nobody waits for the answer any more.
+            self._waiting.pop(number, None)
+            raise
         return await answer
 
     async def open_session(self, name: str, on_loss: OnLoss | str = OnLoss.CANCEL, grace: float | None = None) -> Session:
@@ -153,6 +158,8 @@ class Core:
         for answer in self._waiting.values():
             if not answer.done():
                 answer.set_exception(ConnectionError(GONE))
+                # A call whose request could not be sent does not wait for its answer any more.
+                answer.exception()
         for listeners in self._listeners.values():
             for listener in listeners:
                 listener({"gone": True})

@@ -36,6 +36,9 @@ class Device:
         self.kind = info.kind
         self._joint_count = info.joint_count
 
+    def __repr__(self) -> str:
+        return f"<{type(self).__name__} {self.name}: {self.kind}>"
+
     async def watch(self, *sensors: str, feedback_period: float = 0.02) -> Goal:
         """Starts a command that exports these sensors, such as ``"force"``, every ``feedback_period`` seconds until it is cancelled; it
         moves nothing, and other commands may drive the device. Each has the name of its sensor in the feedback.
@@ -75,7 +78,7 @@ class Arm(Device):
         """Loads a straight motion of the tool to a pose in the base of the arm, with at most this speed (m/s), acceleration (m/s^2) and
         jerk (m/s^3), and sets its goal. Its results are ``at_goal``, ``stopped`` (on its path, after a cancel) and ``arm_error``; it exports
         ``progress`` from 0 to 1. ``ValueError`` for a bound that is not a positive number."""
-        return await self._motion("Line", "to: Pose(tcp in {arm}.base)", to, ("m/s", speed), ("m/s^2", acceleration), ("m/s^3", jerk))
+        return await self._motion("Line", "to: Pose({arm}.tool in {arm}.base)", to, ("m/s", speed), ("m/s^2", acceleration), ("m/s^3", jerk))
 
     async def point_to_point(
         self, to: Sequence[float], *, speed: float = math.pi / 4, acceleration: float = math.pi / 2, jerk: float = 5 * math.pi

@@ -46,7 +46,7 @@ class Ending:
     at: str | None = None
     braked: list[str] = field(default_factory=list)
     jump: str | None = None
-    values: dict[str, Value] = field(default_factory=dict)
+    values: dict[str, Any] = field(default_factory=dict)
 
 
 @dataclass(frozen=True)
@@ -71,14 +71,14 @@ def read_record(kind: type[_Record], update: dict[str, Any]) -> _Record:
 
 @dataclass(frozen=True)
 class Feedback:
-    """Where a command is in its life, the latest ``values`` of the flows that it exports, whether it jumped, as in :class:`Ending`, and
+    """Where a command is in its life, the latest ``values`` of the flows that it exports (each a :data:`Value`), whether it jumped, as in :class:`Ending`, and
     the ``time`` at which this was received, in seconds since the command was loaded.
 
     A flow that has had no value yet is missing. One that has become absent keeps its latest value, because the server reports new values
     only; a recording has every cycle."""
 
     state: State
-    values: dict[str, Value] = field(default_factory=dict)
+    values: dict[str, Any] = field(default_factory=dict)
     jump: str | None = None
     time: float = 0.0
 

@@ -60,7 +60,7 @@ def read_records(path: Path, wanted: Callable[[str], bool]) -> Iterator[Record]:
     damaged or has no end; every checksum is verified."""
     try:
         import mcap.records as records
-        from mcap.exceptions import McapError
+        from mcap.exceptions import EndOfFile, McapError
         from mcap.stream_reader import StreamReader
     except ImportError as error:
         raise ImportError("reading recordings needs the package mcap: pip install 'rpi-client[mcap]'") from error
@@ -80,7 +80,8 @@ def read_records(path: Path, wanted: Callable[[str], bool]) -> Iterator[Record]:
                 elif isinstance(record, records.Attachment):
                     yield Attachment(record.name, record.data)
         except errors as error:
-            yield Cut(str(error) or type(error).__name__)
+            ends = isinstance(error, EndOfFile)
+            yield Cut("the file ends in the middle of a record" if ends else f"the file is damaged: {error}")
 
 
 #: Largest record that is read, in bytes: `rpi` writes chunks of 1 MiB, and attaches programs.
