@@ -51,7 +51,9 @@ fn run_tests(python: &mut Command, folder: &Path) {
     }
     let arguments = ["-W", "error", "-m", "unittest", "discover", "-s", "tests"];
     python.args(arguments).current_dir(folder);
-    let output = python.env("RPI", server).env("PYTHONDONTWRITEBYTECODE", "1");
+    let output = python
+        .env("RPI", server)
+        .env("PYTHONDONTWRITEBYTECODE", "1");
     let stderr = succeeded(&output.output().unwrap());
     println!("{}", stderr.lines().last().unwrap_or_default());
 }
@@ -126,7 +128,10 @@ fn the_wheel_works_in_a_fresh_environment() {
 
     let fresh = Environment::new(python, &folder.path().join("fresh"));
     succeeded(&fresh.pip(&["install", "--no-index", &wheel]));
-    let alone = fresh.python().args(["-W", "error", "-c", BASE_ONLY]).output();
+    let alone = fresh
+        .python()
+        .args(["-W", "error", "-c", BASE_ONLY])
+        .output();
     succeeded(&alone.unwrap());
 
     let all = format!("{wheel}[ros2,numpy,pandas,polars,jupyter]");
