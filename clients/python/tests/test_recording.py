@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import csv
 import math
+import re
 import shutil
 import struct
 import unittest
@@ -11,7 +12,7 @@ from pathlib import Path
 from typing import Any
 from xml.etree import ElementTree
 
-from rpi_client import FlowType, Pose, Recording, Svg, Table
+from rpi_client import FlowType, Net, Pose, Recording, Svg, Table
 
 from support import CellTest, needs, needs_rpi
 
@@ -100,6 +101,23 @@ class TableTest(unittest.TestCase):
         self.assertEqual(page.count("<tr>"), 1 + 5 + 1 + 5)
         self.assertIn("<td>99</td>", page)
 
+    @needs("IPython")
+    def test_jupyter_shows_them(self) -> None:
+        from IPython.core.formatters import DisplayFormatter
+
+        table = Table("test", [0.0, 1.0], {"x": [1.0, 2.0]})
+        cases: list[tuple[object, str, str]] = [
+            (table, "text/html", "test: 2 rows"),
+            (table.plot(), "image/svg+xml", "<svg"),
+            (Net("graph TD", "not a graph"), "text/vnd.mermaid", "graph TD"),
+        ]
+        formatter: Any = DisplayFormatter()
+        formatter.active_types = formatter.format_types
+        for shown, kind, text in cases:
+            with self.subTest(kind=kind):
+                bundle, _ = formatter.format(shown)
+                self.assertIn(text, bundle[kind])
+
     def curves(self, drawing: Svg) -> tuple[list[str], str]:
         """Returns the paths of the curves, and the text of the drawing."""
         text = drawing._repr_svg_()
@@ -176,12 +194,11 @@ class RecordingTest(CellTest):
         for topic, table in tables.items():
             other = ros.table(topic)
             self.assertEqual(table.times, other.times)
-            for column in table.columns:
-                # Fields of ROS have no dots: `joint.position` is `joint_position` there.
-                head, _, tail = column.rpartition(".") if column.startswith("joint.") else ("", "", column)
-                name = f"{head}_{tail}" if head else column
-                if name in other.columns:
-                    self.assertEqual(table[column], other[name], column)
+            # Fields of ROS have no dots: `joint.position` is `joint_position` there.
+            names = [re.sub(r"^(joint|tcp)\.", r"\1_", column) for column in table.columns]
+            self.assertEqual(sorted(names), sorted(other.columns))
+            for column, name in zip(table.columns, names):
+                self.assertEqual(table[column], other[name], column)
         self.assertEqual([(event.kind, event.time) for event in events], [(event.kind, event.time) for event in ros.events])
 
     def test_events_and_the_time_line(self) -> None:
