@@ -47,7 +47,7 @@ class Mark:
 _COLOURS = ("#0072b2", "#d55e00", "#009e73", "#cc79a7", "#56b4e9", "#e69f00", "#7f7f7f")
 #: Dashes for the next curves in the same colours.
 _DASHES = ("", "6 3", "2 2", "8 3 2 3")
-_WIDTH, _PLOT_WIDTH, _LEFT, _TOP = 760, 500, 70, 34
+_WIDTH, _PLOT_WIDTH, _LEFT, _TOP = 820, 540, 70, 34
 _PLOT_HEIGHT, _LINE = 260, 16
 #: Number of columns of a plot in which only the lowest and the highest value of a curve are drawn: a long recording gives no larger file.
 _PIXELS = 2 * _PLOT_WIDTH
@@ -144,7 +144,7 @@ def draw_timeline(title: str, spans: Sequence[Span], marks: Sequence[Mark]) -> S
     times = [time for span in spans for time in (span.start, span.end)] + [mark.time for mark in marks]
     step = 24
     bottom = _TOP + step * (len(rows) + (1 if marks else 0))
-    across = _axis(times, _LEFT + 60, _LEFT + 60 + _PLOT_WIDTH + 100, 0.0)
+    across = _axis(times, _LEFT + 60, _LEFT + 60 + _PLOT_WIDTH + 80, 0.0)
     parts = _frame(title, across, bottom)
     for number, row in enumerate(rows):
         parts.append(_text(_LEFT + 54, _TOP + step * number + 16, _short(row, 20), "end", row))
