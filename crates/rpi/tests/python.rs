@@ -79,8 +79,9 @@ struct Environment {
 
 impl Environment {
     fn new(python: &str, folder: &Path) -> Environment {
-        let made = Command::new(python).args(["-m", "venv"]).arg(folder);
-        succeeded(&made.output().unwrap());
+        let mut venv = Command::new(python);
+        venv.args(["-m", "venv"]).arg(folder);
+        succeeded(&venv.output().unwrap());
         Environment {
             folder: folder.to_owned(),
         }
