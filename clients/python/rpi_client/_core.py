@@ -27,6 +27,8 @@ class RpiError(Exception):
     ``code`` is one of the server's (see its manual), ``reasons`` has every reason where there are several.
     """
 
+    #: Code of a request about an object that does not exist.
+    UNKNOWN = -32001
     #: Code of a request for which the role of the client has no right.
     FORBIDDEN = -32009
 

@@ -9,7 +9,7 @@ import time
 from dataclasses import dataclass, field, fields, replace
 from enum import Enum
 from types import TracebackType
-from typing import TYPE_CHECKING, Any, AsyncIterator, Mapping, Sequence, TypeVar
+from typing import TYPE_CHECKING, Any, AsyncIterator, Iterator, Mapping, Sequence, TypeVar
 
 from ._core import GONE, RpiError
 from ._devices import Device, make_device
@@ -98,8 +98,7 @@ class Session:
     async def __aexit__(
         self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
     ) -> None:
-        # A session ends with its connection. The error that ended the block counts then.
-        with contextlib.suppress(ConnectionError):
+        with _gone_already():
             await self.close()
 
     async def load(
@@ -211,7 +210,7 @@ class Goal:
     async def __aexit__(
         self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
     ) -> None:
-        with contextlib.suppress(ConnectionError):
+        with _gone_already():
             if self._latest.state in (State.RUNNING, State.CANCELLING):
                 await self.preempt()
             if self._latest.state is not State.UNLOADED:
@@ -306,6 +305,19 @@ class Goal:
         self._publish(None)
 
 
+@contextlib.contextmanager
+def _gone_already() -> Iterator[None]:
+    """Ignores that a session or command is not there any more at the end of its block: it was closed in the block, or ended with the
+    connection. An error that ended the block counts then."""
+    try:
+        yield
+    except ConnectionError:
+        pass
+    except RpiError as error:
+        if error.code != RpiError.UNKNOWN:
+            raise
+
+
 def fail_future(future: asyncio.Future[Any], why: Exception) -> None:
     """Whoever waits for this learns that it will not come."""
     if not future.done():
@@ -316,4 +328,4 @@ def fail_future(future: asyncio.Future[Any], why: Exception) -> None:
 
 def unloaded_error() -> RpiError:
     """Returns the error of an object that was unloaded before it ran."""
-    return RpiError(-32001, "it was unloaded before it ran", [])
+    return RpiError(RpiError.UNKNOWN, "it was unloaded before it ran", [])

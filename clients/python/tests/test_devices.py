@@ -99,6 +99,13 @@ class ServerTest(CellTest):
                 await running.start()
             ending = await asyncio.wait_for(running.result(), 10)
             self.assertIs(ending.cause, Cause.ABORTED)
+            async with await core.open_session("closed") as session:
+                first = await session.load(endless)
+                async with await session.load(endless) as second:
+                    await second.follow(first)
+                async with await session.load(endless) as third:
+                    await third.unload()
+                await session.close()
             with self.assertRaisesRegex(KeyError, "of the block"):
                 async with await core.open_session("broken"):
                     await core.close()

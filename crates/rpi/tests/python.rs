@@ -97,6 +97,10 @@ impl Environment {
     fn pip(&self, arguments: &[&str]) -> Output {
         let mut pip = self.python();
         pip.args(["-m", "pip", "--disable-pip-version-check", "--quiet"]);
+        // Compiling all modules of the packages ahead takes longer than the tests, which import few of them.
+        if arguments[0] == "install" {
+            pip.env("PIP_NO_COMPILE", "1");
+        }
         pip.args(arguments).output().unwrap()
     }
 }
