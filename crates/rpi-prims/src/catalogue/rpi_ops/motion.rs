@@ -223,7 +223,7 @@ interface! {
     /// until the last row (s). `outLate` is true while the arm brakes or rests because no chunk has come. `outAxis` (from 1) is an
     /// axis with a limit that binds, `outLimit` its kind: 1 velocity, 2 acceleration, 3 jerk, 4 range; both are 0 without one.
     /// `outDone` is true while the arm rests at the last row. The other ports are those of `Rpi::FollowJoints`. `Axes` is the
-    /// number of axes of the arm. Work: as for the other motions.
+    /// number of axes of the arm. The work grows with the number of rows.
     FOLLOW_CHUNKS = "Rpi::FollowChunks";
     in {
         inMotion: i64;
@@ -268,6 +268,6 @@ interface! {
         outRejected: i64
     }
     shape ShapeRule::FromParam("Axes");
-    presence strict work 20000;
+    presence strict work 300;
     role function("Robot", &["follow_chunks"])
 }
