@@ -117,26 +117,23 @@ const fn function(
     carries: PortValue,
     act: fn(&Arm, &[u64], &mut SlotWriter<'_>) -> bool,
 ) -> PortRow {
-    PortRow {
-        spec: PortSpec {
-            name,
-            kind: PortKind::Function,
-            value: carries,
-            indexed: false,
-        },
-        action: PortAction::Call(act),
-    }
+    called(name, carries, PortAction::Call(act))
 }
 
 const fn motion(name: &'static str, kind: MotionKind) -> PortRow {
+    let value = PortValue::PerAxisAnd(RESULT_SLOTS);
+    called(name, value, PortAction::Plan(kind))
+}
+
+const fn called(name: &'static str, value: PortValue, action: PortAction) -> PortRow {
     PortRow {
         spec: PortSpec {
             name,
             kind: PortKind::Function,
-            value: PortValue::PerAxisAnd(RESULT_SLOTS),
+            value,
             indexed: false,
         },
-        action: PortAction::Plan(kind),
+        action,
     }
 }
 
@@ -148,15 +145,11 @@ const fn axes_motion(name: &'static str, kind: AxesMotionKind) -> PortRow {
     motion(name, MotionKind::Axes(kind))
 }
 
-const CHUNKS: PortRow = PortRow {
-    spec: PortSpec {
-        name: "follow_chunks",
-        kind: PortKind::Function,
-        value: PortValue::PerAxisAnd(RESULT_SLOTS + CHUNK_SLOTS),
-        indexed: false,
-    },
-    action: PortAction::Plan(MotionKind::Axes(AxesMotionKind::Chunks)),
-};
+const CHUNKS: PortRow = called(
+    "follow_chunks",
+    PortValue::PerAxisAnd(RESULT_SLOTS + CHUNK_SLOTS),
+    PortAction::Plan(MotionKind::Axes(AxesMotionKind::Chunks)),
+);
 
 const REAL: PortValue = PortValue::One(Real);
 const POSE: PortValue = PortValue::One(Pose);
@@ -291,15 +284,11 @@ pub(super) const PORTS: &[PortRow] = &[
     CHUNKS,
     motion("move_tool_in_base", MotionKind::Jog(TwistFrame::Base)),
     motion("move_tool_in_tool", MotionKind::Jog(TwistFrame::Tool)),
-    PortRow {
-        spec: PortSpec {
-            name: "path_event",
-            kind: PortKind::Function,
-            value: PortValue::Reals(EVENT_SLOTS),
-            indexed: false,
-        },
-        action: PortAction::PathEvent,
-    },
+    called(
+        "path_event",
+        PortValue::Reals(EVENT_SLOTS),
+        PortAction::PathEvent,
+    ),
     // Ports of the device type `Arm` of `.rpi`.
     actuator("tcp", POSE, false, PortAction::Move(Target::Tool)),
     actuator("joints", JOINTS, false, PortAction::Move(Target::Joints)),
