@@ -4,7 +4,6 @@
 mod rig;
 
 use rig::{Answer, Order, Place, Random, Rig};
-use rpi_device::DeviceBank;
 use rpi_sim::error_code::ErrorCode;
 
 const TICK: f64 = 1e-3;
