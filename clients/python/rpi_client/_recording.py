@@ -62,7 +62,7 @@ class _Content:
 class Recording:
     """A recording, with all its parts (``out.mcap``, ``out.0002.mcap``, ...).
 
-    The files are read when something is asked for, each time from the beginning, and only the requested topic is kept in memory.
+    The files are read from the beginning for each request, and only the requested topic is kept in memory.
     A recording that was cut off is read up to the cut. ``FileNotFoundError`` if there is no such file.
     """
 

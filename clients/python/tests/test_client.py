@@ -140,7 +140,7 @@ class ClientTest(unittest.IsolatedAsyncioTestCase):
 
     async def test_how_the_steps_of_a_task_have_ended(self) -> None:
         async with await connect(self.path) as core:
-            task = await (await core.open_session("test")).load_task("command Wait () let finish never when false; tel task All let Wait(); tel")
+            task = await (await core.open_session("test")).load_task("command Wait () let finish over when time > 3600[s]; tel task All let Wait(); tel")
             await task.start()
             await asyncio.sleep(0.1)
             await core.emergency_stop("test")

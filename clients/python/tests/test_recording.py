@@ -247,8 +247,8 @@ class RecordingTest(CellTest):
         file = self.record()
         with self.assertRaisesRegex(KeyError, "there is no topic /command/Swy"):
             Recording(file).table("/command/Swy")
-        with self.assertRaisesRegex(ValueError, "have the encoding rpi-tape-1"):
-            Recording(file).table("/rpi/tape")
+        with self.assertRaisesRegex(ValueError, "have the encoding rpi-image-1"):
+            Recording(file).table("/rpi/images")
         with self.assertRaises(FileNotFoundError):
             Recording(self.folder / "none.mcap")
         program = Recording(file).attachments["program/program.rpi"]

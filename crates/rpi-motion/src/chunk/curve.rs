@@ -113,7 +113,7 @@ impl Curve {
         };
         let weights = Weights::at(share);
         let [per, per2, per3] = self.rates();
-        for axis in 0..point.position.len() {
+        (0..point.position.len()).for_each(|axis| {
             let c: [f64; 6] = core::array::from_fn(|k| near[k][axis]);
             let d: [f64; 5] = core::array::from_fn(|k| c[k + 1] - c[k]);
             let dd: [f64; 4] = core::array::from_fn(|k| d[k + 1] - d[k]);
@@ -122,7 +122,7 @@ impl Curve {
             point.first[axis] = per * dot(&weights.quartic, &d);
             point.second[axis] = per2 * dot(&weights.cubic, &dd);
             point.third[axis] = per3 * dot(&weights.quadratic, &ddd);
-        }
+        });
         point
     }
 
@@ -147,20 +147,20 @@ impl Curve {
         let [per, per2, per3] = self.rates();
         let c = &self.coefficients;
         for k in first..last {
-            for axis in 0..bounds.first.len() {
+            (0..bounds.first.len()).for_each(|axis| {
                 let d = c[k + 1][axis] - c[k][axis];
                 bounds.first[axis] = bounds.first[axis].max(per * d.abs());
                 if k + 2 > last {
-                    continue;
+                    return;
                 }
                 let dd = c[k + 2][axis] - 2.0 * c[k + 1][axis] + c[k][axis];
                 bounds.second[axis] = bounds.second[axis].max(per2 * dd.abs());
                 if k + 3 > last {
-                    continue;
+                    return;
                 }
                 let ddd = c[k + 3][axis] - 3.0 * (c[k + 2][axis] - c[k + 1][axis]) - c[k][axis];
                 bounds.third[axis] = bounds.third[axis].max(per3 * ddd.abs());
-            }
+            });
         }
         bounds
     }

@@ -216,9 +216,9 @@ impl ChunkMotion {
 
     /// Returns the set-point of the next cycle. Call it once per period.
     pub fn next_set_point(&mut self, controls: Controls) -> ChunkSetPoint {
-        let share = match controls.paused || !(controls.speed_share > 0.0) {
-            true => 0.0,
-            false => controls.speed_share.min(1.0),
+        let share = match controls.speed_share > 0.0 && !controls.paused {
+            true => controls.speed_share.min(1.0),
+            false => 0.0,
         };
         if self.pending.is_ready() {
             self.enter(share);

@@ -45,11 +45,11 @@ impl ChunkRows<'_> {
             return Err(ChunkError::Length);
         }
         let mut numbers = self.positions.iter().chain(velocities);
-        if !numbers.all(|number| number.abs() < LARGEST) || !(self.age >= 0.0 && self.age < LARGEST)
-        {
-            return Err(ChunkError::NotFinite);
+        let are_usable = numbers.all(|number| number.abs() < LARGEST);
+        match are_usable && (0.0..LARGEST).contains(&self.age) {
+            true => Ok(rows),
+            false => Err(ChunkError::NotFinite),
         }
-        Ok(rows)
     }
 
     fn joints(&self, of: &[f64], row: usize, axes: usize) -> Joints {

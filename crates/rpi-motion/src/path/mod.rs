@@ -7,7 +7,7 @@
 pub mod arc;
 pub mod corner;
 pub mod joint_line;
-pub mod landmarks;
+pub mod landmark;
 pub mod line;
 pub mod orientation;
 pub mod polyline;
@@ -18,7 +18,7 @@ use crate::Joints;
 pub use arc::{Arc, ArcError, ArcOrientation};
 pub use corner::Corner;
 pub use joint_line::JointLine;
-pub use landmarks::Landmark;
+pub use landmark::Landmark;
 pub use line::Line;
 pub use polyline::ZoneError;
 use rpi_kin::Pose;

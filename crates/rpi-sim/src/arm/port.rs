@@ -1,6 +1,7 @@
 //! Access to the arm's ports: reading sensors, checking and staging set-points, calling functions.
 
 use super::limits::{AxisState, Violation};
+use super::motion::call_path_event;
 use super::port_table::{PORTS, PortAction, PortRow, Target};
 use super::{Arm, parameters};
 use crate::bank::CellDevice;
@@ -264,7 +265,7 @@ impl Device for Arm {
                 self.call_motion(*kind, arguments, &mut SlotWriter::new(result))
             }
             Some(PortAction::PathEvent) => {
-                self.call_path_event(arguments, &mut SlotWriter::new(result))
+                call_path_event(self, arguments, &mut SlotWriter::new(result))
             }
             Some(PortAction::Call(function)) => {
                 function(self, arguments, &mut SlotWriter::new(result))

@@ -3,6 +3,7 @@
 use super::super::Arm;
 use super::super::axes_motion::AxesMotionKind;
 use super::super::path_fault::PathFault;
+use super::events::report_missed_events;
 use super::{MotionKind, rests, same_joints};
 use crate::device::{SlotWriter, pose_from};
 use crate::error_code::ErrorCode;
@@ -87,22 +88,16 @@ impl Arm {
             self.begin_motion(kind, &request);
         } else if !is_due {
             put_error(request.motion, self.axes(), ErrorCode::SUPERSEDED, out);
-            self.put_chunk_report(kind, out);
+            put_chunk_report(self, kind, out);
             return true;
         }
         self.put_motion(&request, out);
-        self.put_chunk_report(kind, out);
+        put_chunk_report(self, kind, out);
         true
     }
 
-    fn put_chunk_report(&self, kind: MotionKind, out: &mut SlotWriter<'_>) {
-        if kind == MotionKind::Axes(AxesMotionKind::Chunks) {
-            self.motion.axes.put_chunk_report(out);
-        }
-    }
-
     fn begin_motion(&mut self, kind: MotionKind, request: &Request<'_>) {
-        self.report_missed_events();
+        report_missed_events(self);
         let differences = JointState::from_differences(
             self.commanded(|state| state.position),
             self.commanded(|state| state.velocity),
@@ -150,5 +145,11 @@ impl Arm {
         out.put_bits(u64::from(at.on_path && error == ErrorCode::OK));
         out.put_bits(u64::from(done && error == ErrorCode::OK));
         out.put_bits(error.0.cast_unsigned());
+    }
+}
+
+fn put_chunk_report(arm: &Arm, kind: MotionKind, out: &mut SlotWriter<'_>) {
+    if kind == MotionKind::Axes(AxesMotionKind::Chunks) {
+        arm.motion.axes.put_chunk_report(out);
     }
 }

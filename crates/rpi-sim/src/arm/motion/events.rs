@@ -146,67 +146,65 @@ impl Motion {
     }
 }
 
-impl Arm {
-    /// Calls the function `path_event` and writes its result to `out`. Returns false if there are too few arguments.
-    pub(in crate::arm) fn call_path_event(
-        &mut self,
-        arguments: &[u64],
-        out: &mut SlotWriter<'_>,
-    ) -> bool {
-        let Some(request) = EventRequest::from_slots(arguments) else {
-            return false;
-        };
-        let (passed, time, error) = self.path_event(&request);
-        out.put_bits(u64::from(passed));
-        out.put_real(time);
-        out.put_bits(error.0.cast_unsigned());
-        true
-    }
+/// Calls the function `path_event` and writes its result to `out`. Returns false if there are too few arguments.
+pub(in crate::arm) fn call_path_event(
+    arm: &mut Arm,
+    arguments: &[u64],
+    out: &mut SlotWriter<'_>,
+) -> bool {
+    let Some(request) = EventRequest::from_slots(arguments) else {
+        return false;
+    };
+    let (passed, time, error) = path_event(arm, &request);
+    out.put_bits(u64::from(passed));
+    out.put_real(time);
+    out.put_bits(error.0.cast_unsigned());
+    true
+}
 
-    fn path_event(&mut self, request: &EventRequest) -> (bool, f64, ErrorCode) {
-        let motion = &mut self.motion;
-        // The motion must have computed its set-point in this cycle.
-        if request.motion != motion.number || motion.computed != self.time {
-            return (false, f64::NEG_INFINITY, ErrorCode::SUPERSEDED);
-        }
-        let Some(place) = motion.event_place(request) else {
-            let (value, limit) = (request.offset + request.share * motion.way, motion.way);
-            let code = ErrorCode::NO_SUCH_PLACE;
-            if request.is_pending {
-                self.report(None, Violation { code, value, limit });
-            }
-            return (false, f64::NEG_INFINITY, code);
-        };
+fn path_event(arm: &mut Arm, request: &EventRequest) -> (bool, f64, ErrorCode) {
+    let motion = &mut arm.motion;
+    // The motion must have computed its set-point in this cycle.
+    if request.motion != motion.number || motion.computed != arm.time {
+        return (false, f64::NEG_INFINITY, ErrorCode::SUPERSEDED);
+    }
+    let Some(place) = motion.event_place(request) else {
+        let (value, limit) = (request.offset + request.share * motion.way, motion.way);
+        let code = ErrorCode::NO_SUCH_PLACE;
         if request.is_pending {
-            motion.events.await_at(place);
+            arm.report(None, Violation { code, value, limit });
         }
-        let PathEvents { before, now, .. } = motion.events;
-        let time = match (place <= before, place <= now) {
-            (true, _) => 0.0,
-            (false, true) => motion.time_since_passage(place),
-            (false, false) => -motion.time_until_passage(place),
-        };
-        (place <= now, time, ErrorCode::OK)
+        return (false, f64::NEG_INFINITY, code);
+    };
+    if request.is_pending {
+        motion.events.await_at(place);
     }
+    let PathEvents { before, now, .. } = motion.events;
+    let time = match (place <= before, place <= now) {
+        (true, _) => 0.0,
+        (false, true) => motion.time_since_passage(place),
+        (false, false) => -motion.time_until_passage(place),
+    };
+    (place <= now, time, ErrorCode::OK)
+}
 
-    /// Reports the pending events of the present motion as missed, because it ends or another motion takes over. The value
-    /// of a report is the place of the event, its limit the place that the motion has reached.
-    pub(super) fn report_missed_events(&mut self) {
-        let (pending, count) = self.motion.events.take_pending();
-        let limit = self.motion.events.now;
-        let code = ErrorCode::EVENT_MISSED;
-        for value in pending.into_iter().take(count) {
-            self.report(None, Violation { code, value, limit });
-        }
-        self.motion.events = PathEvents::default();
+/// Reports the pending events of the present motion as missed, because it ends or another motion takes over. The value
+/// of a report is the place of the event, its limit the place that the motion has reached.
+pub(super) fn report_missed_events(arm: &mut Arm) {
+    let (pending, count) = arm.motion.events.take_pending();
+    let limit = arm.motion.events.now;
+    let code = ErrorCode::EVENT_MISSED;
+    for value in pending.into_iter().take(count) {
+        arm.report(None, Violation { code, value, limit });
     }
+    arm.motion.events = PathEvents::default();
+}
 
-    /// Reports the pending events of a motion that no command continues any more.
-    pub(in crate::arm) fn report_events_of_ended_motion(&mut self) {
-        let motion = &self.motion;
-        let is_left = self.time - motion.computed > PRESENT_PERIODS * motion.period;
-        if is_left && motion.events.count > 0 {
-            self.report_missed_events();
-        }
+/// Reports the pending events of a motion that no command continues any more.
+pub(in crate::arm) fn report_events_of_ended_motion(arm: &mut Arm) {
+    let motion = &arm.motion;
+    let is_left = arm.time - motion.computed > PRESENT_PERIODS * motion.period;
+    if is_left && motion.events.count > 0 {
+        report_missed_events(arm);
     }
 }
