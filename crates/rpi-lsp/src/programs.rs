@@ -53,6 +53,9 @@ impl Declaration {
     }
 }
 
+/// Function that is called with a program: the workspace, its path, its analysis, and the definition that is searched for.
+pub(crate) type ProgramVisitor<'a> = dyn FnMut(&mut Workspace, &Path, &Rc<Inspection>, DefId) + 'a;
+
 impl Workspace {
     /// Returns the paths of the programs of the project that contains the file `near`: open documents first, then files
     /// on disk, sorted.
@@ -94,7 +97,7 @@ impl Workspace {
         &mut self,
         near: &Path,
         declaration: &Declaration,
-        visit: &mut dyn FnMut(&mut Workspace, &Path, &Rc<Inspection>, DefId),
+        visit: &mut ProgramVisitor<'_>,
     ) {
         for path in self.programs(near) {
             if self.is_cancelled() {

@@ -66,7 +66,7 @@ impl Signature {
 fn markdown(text: &str) -> Option<Documentation> {
     let value = text.to_owned();
     let kind = MarkupKind::Markdown;
-    (!text.is_empty()).then(|| Documentation::MarkupContent(MarkupContent { kind, value }))
+    (!text.is_empty()).then_some(Documentation::MarkupContent(MarkupContent { kind, value }))
 }
 
 /// Returns the signature of a declared callee, such as a node, command or task.

@@ -235,7 +235,7 @@ mod tests {
     #[test]
     fn a_row_without_a_value_repeats_the_row_before() {
         let mut gap = column(&[2.0, f64::NAN, 2.0], ColumnKind::Int);
-        gap.absent = vec![1..2];
+        gap.absent = std::iter::once(1..2).collect();
         let block = encode(&gap, Precision::Rounded);
         assert_eq!(decode(&block), [2.0, 2.0, 2.0]);
     }

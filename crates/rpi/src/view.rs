@@ -25,7 +25,7 @@ pub(crate) fn view(args: &ViewArgs) -> CommandResult {
         .map_err(|e| format!("port {} of this machine: {e}", args.port))?;
     // The numbers are in the document of the server from here on.
     drop(run);
-    rpi_cli::print(&format!("{}\n", server.url()))?;
+    rpi_cli::print(format!("{}\n", server.url()))?;
     if !args.no_open {
         open_browser(&server.url());
     }

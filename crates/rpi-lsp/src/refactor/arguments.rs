@@ -35,11 +35,11 @@ fn innermost_step<'s>(context: &CodeContext<'s>) -> Option<(&'s Ident, &'s Vec<A
     matches!(item.kind, ItemKind::Task(_)).then_some(())?;
     let mut steps = Steps(Vec::new());
     Walker::new(&mut steps).item(item);
-    let around = steps
+    let mut around = steps
         .0
         .into_iter()
         .filter(|step| step.span.contains(context.selection));
-    around.last().and_then(|step| match &step.kind {
+    around.next_back().and_then(|step| match &step.kind {
         StepKind::Run(run) => Some((&run.callee.name, &run.args)),
         _ => None,
     })

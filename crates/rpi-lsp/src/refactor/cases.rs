@@ -73,10 +73,8 @@ fn enum_values(context: &CodeContext<'_>, value: Span) -> Option<Vec<String>> {
 fn step_at<'s>(context: &CodeContext<'s>) -> Option<(Span, &'s Run)> {
     let mut runs = Runs(Vec::new());
     Walker::new(&mut runs).item(context.item?);
-    let around = runs.0.into_iter();
-    around
-        .filter(|(span, _)| span.contains(context.selection))
-        .last()
+    let mut around = runs.0.into_iter();
+    around.rfind(|(span, _)| span.contains(context.selection))
 }
 
 struct Runs<'s>(Vec<(Span, &'s Run)>);
