@@ -39,7 +39,7 @@ impl Policy {
                 *term = (
                     random.between(0.1, 1.0) / frequency,
                     frequency,
-                    random.between(0.0, 6.28),
+                    random.between(0.0, core::f64::consts::TAU),
                 );
                 let mut size = term.0;
                 for sum in &mut sums {
