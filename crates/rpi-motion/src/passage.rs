@@ -7,13 +7,24 @@ const STEPS: u32 = 42;
 /// `place`; `late` if it does not.
 pub fn time_of_passage(
     position: impl Fn(f64) -> f64,
-    (mut early, mut late): (f64, f64),
+    (early, late): (f64, f64),
     place: f64,
 ) -> f64 {
-    if position(early) >= place {
-        return early;
+    match position(early) >= place {
+        true => early,
+        false => bisect(position, (early, late), place, STEPS),
     }
-    for _ in 0..STEPS {
+}
+
+/// Halves the interval from `early` to `late` (s) `steps` times, so that `position` reaches `place` within it. Returns its
+/// end.
+pub(crate) fn bisect(
+    position: impl Fn(f64) -> f64,
+    (mut early, mut late): (f64, f64),
+    place: f64,
+    steps: u32,
+) -> f64 {
+    for _ in 0..steps {
         let middle = f64::midpoint(early, late);
         match position(middle) < place {
             true => early = middle,

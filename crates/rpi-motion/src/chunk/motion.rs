@@ -152,11 +152,7 @@ impl ChunkMotion {
             range.shrunk(CURVE_MARGIN.min(quarter))
         });
         self.set_bounds(requested);
-        self.state = core::array::from_fn(|axis| AxisState {
-            position: state.position[axis],
-            velocity: state.velocity[axis],
-            acceleration: state.acceleration[axis],
-        });
+        self.state = state.to_axes();
         (self.previous, self.reference) = (self.state, self.state);
         self.curve.reset(0, 0.0, 1.0);
         self.pending.drop_chunk();
@@ -407,7 +403,7 @@ impl ChunkMotion {
     /// Returns the state at the last set-point, exactly.
     #[must_use]
     pub fn state(&self) -> JointState {
-        joint_state(&self.state)
+        JointState::from_axes(&self.state)
     }
 
     /// Returns the state `elapsed` seconds after the last set-point if each axis stops on its own: for an arm that stops in
@@ -415,7 +411,7 @@ impl ChunkMotion {
     #[must_use]
     pub fn stopping(&self, elapsed: f64) -> JointState {
         let axes = self.arm.axes();
-        joint_state(&core::array::from_fn(|axis| {
+        JointState::from_axes(&core::array::from_fn(|axis| {
             let (before, now) = (self.previous[axis], self.state[axis]);
             if axis >= axes {
                 now
@@ -436,12 +432,4 @@ fn guards(arm: &Arm, ranges: &Ranges, period: f64) -> [Guard; MAX_AXES] {
         let nothing = rpi_kin::AxisLimits::from_radians(-1.0, 1.0, 1.0);
         Guard::new(limits.copied().unwrap_or(nothing), ranges[axis], period)
     })
-}
-
-fn joint_state(of: &[AxisState; MAX_AXES]) -> JointState {
-    JointState {
-        position: of.map(|axis| axis.position),
-        velocity: of.map(|axis| axis.velocity),
-        acceleration: of.map(|axis| axis.acceleration),
-    }
 }

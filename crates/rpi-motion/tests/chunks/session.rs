@@ -105,17 +105,7 @@ impl Session {
 
     /// Runs the whole session.
     pub(crate) fn run(mut self) -> Outcome {
-        for number in 0..self.kind.chunks {
-            self.send();
-            while self
-                .sent
-                .as_ref()
-                .is_some_and(|sent| self.time < sent.arrives)
-            {
-                self.cycle(number > 0);
-            }
-            self.receive();
-        }
+        self.exchange_chunks(self.kind.chunks);
         self.outcome.worst = self.watch.worst;
         self.outcome.is_within = self.watch.is_within();
         self.outcome
@@ -235,8 +225,8 @@ impl Session {
         at
     }
 
-    /// Runs for `chunks` chunks, and returns once the last one has come into force.
-    pub(crate) fn run_chunks(&mut self, chunks: usize) {
+    /// Sends `chunks` chunks and runs until the last one has been received.
+    fn exchange_chunks(&mut self, chunks: usize) {
         for number in 0..chunks {
             self.send();
             while self
@@ -248,6 +238,11 @@ impl Session {
             }
             self.receive();
         }
+    }
+
+    /// Runs for `chunks` chunks, and returns once the last one has come into force.
+    pub(crate) fn run_chunks(&mut self, chunks: usize) {
+        self.exchange_chunks(chunks);
         while self.motion.is_preparing() {
             self.cycle(true);
         }

@@ -90,14 +90,6 @@ impl AxesMotion {
         self.way
     }
 
-    /// Returns the distance that the farthest moving axis has travelled `elapsed` seconds after the last set-point, rad;
-    /// `elapsed` is not positive, at least minus one period.
-    pub(super) fn travelled(&self, arm: &Arm, elapsed: f64) -> f64 {
-        self.set_point(arm, &self.motion.stopping(elapsed), false)
-            .path
-            .s
-    }
-
     /// Returns the time (s) from the last set-point until the farthest moving axis has travelled the distance `place`
     /// (rad), as planned in the last cycle. `None` without a plan that leads there.
     pub(super) fn time_until(&self, arm: &Arm, place: f64) -> Option<f64> {

@@ -129,7 +129,7 @@ impl Motion {
     fn time_since_passage(&self, place: f64) -> f64 {
         let parameter = place * self.parameter_per_way();
         let at = |elapsed: f64| match self.axes.is_present() {
-            true => self.axes.travelled(&self.arm, elapsed),
+            true => self.axes.braking_set_point(&self.arm, elapsed).path.s,
             false => self.core.path_position(elapsed),
         };
         -time_of_passage(at, (-self.period, 0.0), parameter)
