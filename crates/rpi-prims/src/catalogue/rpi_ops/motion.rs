@@ -26,13 +26,33 @@ pub(in crate::catalogue) const ALL: &[Prim] = &[
 ];
 
 /// Declares a motion primitive: a call of a function of the arm in each cycle. Its declared work of 20000 elementary
-/// operations covers the planning that the arm does in a cycle, about 200 µs.
+/// operations covers the planning that the arm does in a cycle, about 200 µs. `out` declares further out-ports, together
+/// with the work.
 macro_rules! motion {
     (
         $(#[doc = $doc:expr])+
         $id:ident = $name:literal, $port:literal;
-        in { $( $target:ident : $ty:ty );* }
+        in { $($target:tt)* }
         $( param $axes:ident; )?
+        shape $shape:expr
+    ) => {
+        motion! {
+            $(#[doc = $doc])+
+            $id = $name, $port;
+            in { $($target)* }
+            $( param $axes; )?
+            out {}
+            work 20000;
+            shape $shape
+        }
+    };
+    (
+        $(#[doc = $doc:expr])+
+        $id:ident = $name:literal, $port:literal;
+        in { $( $target:ident : $ty:ty $( = $need:tt $( ( $($def:tt)+ ) )? )? );* }
+        $( param $axes:ident; )?
+        out { $( $extra:ident : $extra_ty:ty );* }
+        work $work:literal;
         shape $shape:expr
     ) => {
         interface! {
@@ -49,7 +69,7 @@ macro_rules! motion {
             $id = $name;
             in {
                 inMotion: i64;
-                $( $target: $ty; )*
+                $( $target: $ty $( = $need $( ( $($def)+ ) )? )?; )*
                 inSpeed: f64 = Speed(Real(0.25));
                 inAcceleration: f64 = Acceleration(Real(0.5));
                 inJerk: f64 = Jerk(Real(5.0));
@@ -68,9 +88,10 @@ macro_rules! motion {
                 outOnPath: bool;
                 outDone: bool;
                 outError: i64
+                $( ; $extra: $extra_ty )*
             }
             shape $shape;
-            presence strict work 20000;
+            presence strict work $work;
             role function("Robot", &[$port])
         }
     };
@@ -197,7 +218,7 @@ motion! {
     shape ShapeRule::FromParam("Axes")
 }
 
-interface! {
+motion! {
     /// Motion of the axes along chunks: rows of joint positions, one `inPeriod` (0.01 to 0.1 s) after the other, that arrive
     /// again and again while the arm executes the last ones. All in-ports up to `inVelocities` are read in the cycles in which
     /// `inNumber` changes to another number than 0: then a new chunk has come. The motion begins without a chunk, so the
@@ -222,11 +243,10 @@ interface! {
     /// times of the rows (s), `outSmoothing` the largest deviation of the curve from its rows (rad), `outRemaining` the time
     /// until the last row (s). `outLate` is true while the arm brakes or rests because no chunk has come. `outAxis` (from 1) is an
     /// axis with a limit that binds, `outLimit` its kind: 1 velocity, 2 acceleration, 3 jerk, 4 range; both are 0 without one.
-    /// `outDone` is true while the arm rests at the last row. The other ports are those of `Rpi::FollowJoints`. `Axes` is the
-    /// number of axes of the arm. The work grows with the number of rows.
-    FOLLOW_CHUNKS = "Rpi::FollowChunks";
+    /// `outDone` is true while the arm rests at the last row. `Axes` is the number of axes of the arm. The work grows with the
+    /// number of rows.
+    FOLLOW_CHUNKS = "Rpi::FollowChunks", "follow_chunks";
     in {
-        inMotion: i64;
         inNumber: i64;
         inRows: i64;
         inPeriod: f64;
@@ -237,25 +257,10 @@ interface! {
         inSmoothing: f64 = Smoothing(Real(0.01));
         inWithVelocities: bool = WithVelocities(Bool(false));
         inPositions: Array<f64>;
-        inVelocities: Array<f64>;
-        inSpeed: f64 = Speed(Real(0.25));
-        inAcceleration: f64 = Acceleration(Real(0.5));
-        inJerk: f64 = Jerk(Real(5.0));
-        inOverride: f64 = Override(Real(1.0));
-        inPaused: bool = Paused(Bool(false));
-        inTool: Pose
+        inVelocities: Array<f64>
     }
-    param { Robot: Text = Str(""); Axes: i64 = Int(7) }
+    param Axes;
     out {
-        outMotion: i64;
-        outJoints: Array<f64>;
-        outPose: Pose;
-        outTravelled: f64;
-        outProgress: f64;
-        outSpeed: f64;
-        outOnPath: bool;
-        outDone: bool;
-        outError: i64;
         outAccepted: i64;
         outRow: i64;
         outDeviation: f64;
@@ -267,7 +272,6 @@ interface! {
         outLimit: i64;
         outRejected: i64
     }
-    shape ShapeRule::FromParam("Axes");
-    presence strict work 300;
-    role function("Robot", &["follow_chunks"])
+    work 300;
+    shape ShapeRule::FromParam("Axes")
 }

@@ -8,7 +8,7 @@ use crate::registry::Prim;
 pub(in crate::catalogue) const ALL: &[Prim] = &[PATH_EVENT];
 
 interface! {
-    /// Tells when the motion with the number `inMotion` passes a place on its path. Call it after the motion primitive, in
+    /// Reports when the motion with the number `inMotion` passes a place on its path. Call it after the motion primitive, in
     /// each cycle. The place is `inOffset` (m; rad for a motion of the axes) plus the share `inShare` (0 to 1) of the path
     /// behind an origin. `inOrigin` is 0 for the start of the path, 1 for its end, 2 for the point with the index
     /// `inPoint` (from 0; of a spline, or the middle of a rounded corner), and 3 and 4 for the beginning and the end of the
