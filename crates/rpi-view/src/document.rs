@@ -9,6 +9,7 @@
 use std::collections::BTreeMap;
 use std::ops::Range;
 
+use rpi_image::hash::Fnv1a;
 use rpi_record::mcap::{ArmGeometry, Column, ColumnKind, FragmentActivity, RunData, TopicColumns};
 use serde_json::{Value, json};
 
@@ -76,7 +77,10 @@ struct Blocks {
 impl Blocks {
     /// Returns the offset of a block with these bytes, which is added if there is none.
     fn add(&mut self, bytes: &[u8]) -> usize {
-        let same = self.offsets.entry(fnv1a(bytes)).or_default();
+        let same = self
+            .offsets
+            .entry(Fnv1a::new().with_bytes(bytes).finish())
+            .or_default();
         if let Some(known) = same
             .iter()
             .find(|at| self.bytes.get((*at).clone()) == Some(bytes))
@@ -89,12 +93,6 @@ impl Blocks {
         same.push(start..self.bytes.len());
         start
     }
-}
-
-/// Returns the 64-bit FNV-1a hash of these bytes (Fowler, Noll and Vo).
-fn fnv1a(bytes: &[u8]) -> u64 {
-    let step = |hash: u64, byte: &u8| (hash ^ u64::from(*byte)).wrapping_mul(0x0100_0000_01b3);
-    bytes.iter().fold(0xcbf2_9ce4_8422_2325, step)
 }
 
 /// Appends zeros up to a multiple of 8, so that the page can read the numbers in place.

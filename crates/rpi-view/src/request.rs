@@ -95,14 +95,14 @@ pub(crate) fn resource(head: &[u8], own: SocketAddr) -> Result<Resource, Request
 mod tests {
     use super::*;
 
-    fn asked_for(text: &str) -> Result<Resource, RequestError> {
+    fn requested(text: &str) -> Result<Resource, RequestError> {
         resource(text.as_bytes(), ([127, 0, 0, 1], 4000).into())
     }
 
     #[test]
     fn only_the_page_and_the_document_are_served() {
         let get = |path: &str| {
-            asked_for(&format!(
+            requested(&format!(
                 "GET {path} HTTP/1.1\r\nHost: 127.0.0.1:4000\r\n\r\n"
             ))
         };
@@ -110,8 +110,8 @@ mod tests {
         assert_eq!(get("/document"), Ok(Resource::Document));
         assert_eq!(get("/../etc/passwd"), Err(RequestError::NotFound));
         let post = "POST / HTTP/1.1\r\nHost: localhost:4000\r\n\r\n";
-        assert_eq!(asked_for(post), Err(RequestError::MethodNotAllowed));
-        assert_eq!(asked_for("hello\r\n\r\n"), Err(RequestError::BadRequest));
+        assert_eq!(requested(post), Err(RequestError::MethodNotAllowed));
+        assert_eq!(requested("hello\r\n\r\n"), Err(RequestError::BadRequest));
     }
 
     #[test]
@@ -123,9 +123,9 @@ mod tests {
             "127.0.0.1:4000\r\nHost: a",
         ] {
             let request = format!("GET / HTTP/1.1\r\nHost: {host}\r\n\r\n");
-            assert_eq!(asked_for(&request), Err(RequestError::Forbidden), "{host}");
+            assert_eq!(requested(&request), Err(RequestError::Forbidden), "{host}");
         }
-        let none = asked_for("GET / HTTP/1.1\r\n\r\n");
+        let none = requested("GET / HTTP/1.1\r\n\r\n");
         assert_eq!(none, Err(RequestError::Forbidden));
     }
 

@@ -69,7 +69,7 @@ impl ViewServer {
             let (document, own) = (Arc::clone(&self.document), self.address);
             let count = Arc::clone(&open);
             let answer = move || {
-                // The browser closes connections as it likes; there is nobody to report an error to.
+                // The browser closes connections as it likes; an error cannot be reported.
                 let _ = respond(connection, own, &document);
                 count.fetch_sub(1, Ordering::Relaxed);
             };

@@ -103,7 +103,7 @@ const EDGES: &[(&str, &[&str])] = &[
             "rpi-sim",
         ],
     ),
-    ("rpi-view", &["rpi-record"]),
+    ("rpi-view", &["rpi-image", "rpi-record"]),
     ("rpi-client", &[]),
     (
         "rpi-serve",
