@@ -44,6 +44,16 @@ impl<T: FlowType> Array<T> {
         self.len == 0
     }
 
+    /// Returns handles to the first `at` elements, or to all if there are fewer, and to the others.
+    #[must_use]
+    pub fn split_at(self, at: usize) -> (Self, Self) {
+        let at = at.min(self.len);
+        (
+            Array::new(self.at, at),
+            Array::new(self.at + at * T::SLOTS, self.len - at),
+        )
+    }
+
     /// Returns the value at `index`, counted from 0, in the memory `cells`; `None` if the index is out of range.
     #[must_use]
     pub fn get(self, cells: &[u64], index: i64) -> Option<T> {

@@ -5,10 +5,12 @@ use rpi_prims::registry;
 
 /// Returns the name of a constant primitive whose parameter `Value` can hold this constant; `None` if there is none.
 pub(super) fn constant_primitive(constant: &Value) -> Option<&'static str> {
-    let Some(Type::Scalar(scalar)) = constant.ty() else {
-        return None;
+    let wanted = match constant.ty()? {
+        Type::Scalar(scalar) => ParamType::Scalar(scalar),
+        Type::Array(scalar, _) => ParamType::Array(scalar),
+        Type::Matrix(..) => return None,
     };
-    let gives = |ty: ParamType| ty == ParamType::Scalar(scalar);
+    let gives = |ty: ParamType| ty == wanted;
     let mut constants = registry()
         .iter()
         .map(|p| &p.desc)

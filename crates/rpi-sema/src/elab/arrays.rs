@@ -1,5 +1,6 @@
 //! Arrays at the ports of primitives: packs leaves, extracts elements, and passes whole arrays on directly.
 
+use crate::elab::built_arrays;
 use crate::elab::deferred_arrays;
 use crate::elab::nodes;
 use crate::elab::primitive_family::PrimitiveFamily;
@@ -152,14 +153,10 @@ pub(super) fn resolved_array(
     if let Some(port) = existing_array(elab, wire, ty) {
         return Input::Port(port);
     }
-    if let Some(values) = wire.iter().map(constant).collect::<Option<Vec<Value>>>() {
-        let cells = values.iter().flat_map(|leaf| leaf.slots()).copied();
-        return Input::constant(Value::Slots {
-            ty,
-            cells: cells.collect(),
-        });
+    if let Some(values) = constant_array(wire, ty) {
+        return Input::constant(values);
     }
-    match build_array(elab, wire, ty, at, span) {
+    match built_arrays::build_array(elab, wire, ty, at, span) {
         Some(port) => Input::Port(port),
         None => Input::Unconnected,
     }
@@ -177,52 +174,6 @@ fn existing_array(elab: &Elaborator<'_>, wire: &[Signal], ty: Type) -> Option<Po
     let outputs = &elab.net.node(array.node).outputs;
     let same = outputs.get(usize::from(array.port)) == Some(&ty);
     (in_order && same && wire.len() == elements_at(ty)).then_some(*array)
-}
-
-/// Adds net nodes that create an array and set its elements one by one. Returns the port with the array; `None` if
-/// there are no primitives for the type.
-fn build_array(
-    elab: &mut Elaborator<'_>,
-    wire: &[Signal],
-    ty: Type,
-    at: Position,
-    span: Span,
-) -> Option<PortRef> {
-    let ArrayPrims {
-        create: make,
-        sizes,
-        set,
-        scalar,
-    } = ArrayPrims::for_type(ty)?;
-    let params = sized_params(make, &sizes);
-    let node = nodes::add_node(
-        elab,
-        make,
-        Inputs::new(),
-        params,
-        Types::from([ty]),
-        at.fragment,
-        span,
-    );
-    let mut array = PortRef { node, port: 0 };
-    for (k, signal) in (0..).zip(wire.iter()) {
-        let value = one_input(elab, signal, scalar, at, span);
-        let mut given = sizes.clone();
-        given.extend(element_params(ty, k));
-        let params = sized_params(set, &given);
-        let inputs = smallvec![Input::Port(array), value];
-        let node = nodes::add_node(
-            elab,
-            set,
-            inputs,
-            params,
-            Types::from([ty]),
-            at.fragment,
-            span,
-        );
-        array = PortRef { node, port: 0 };
-    }
-    Some(array)
 }
 
 /// Returns a port with the value of a signal, for inputs that accept only ports. Adds a net node if the signal is not a
@@ -255,38 +206,8 @@ pub(super) fn port_of(
     }
 }
 
-/// Primitives that create an array or matrix of one type and set its elements.
-struct ArrayPrims {
-    create: PrimId,
-    /// Size parameters of these primitives: name and value.
-    sizes: Vec<(&'static str, u32)>,
-    set: PrimId,
-    /// Machine type of the elements.
-    scalar: Scalar,
-}
-
-impl ArrayPrims {
-    fn for_type(ty: Type) -> Option<ArrayPrims> {
-        match ty {
-            Type::Scalar(_) => None,
-            Type::Array(scalar, n) => Some(ArrayPrims {
-                create: member(PrimitiveFamily::Array, scalar)?,
-                sizes: vec![("Size", n)],
-                set: member(PrimitiveFamily::ArraySet, scalar)?,
-                scalar,
-            }),
-            Type::Matrix(rows, cols) => Some(ArrayPrims {
-                create: prim!("Core::MatrixCreate"),
-                sizes: vec![("Rows", rows), ("Cols", cols)],
-                set: prim!("Core::MatrixSet"),
-                scalar: Scalar::Real,
-            }),
-        }
-    }
-}
-
 /// Returns the parameters, with their values, that select element `k` of an array or matrix of type `ty`.
-fn element_params(ty: Type, k: u32) -> Vec<(&'static str, u32)> {
+pub(super) fn element_params(ty: Type, k: u32) -> Vec<(&'static str, u32)> {
     match ty {
         Type::Scalar(_) => Vec::new(),
         Type::Array(..) => vec![("Index", k)],
@@ -313,7 +234,7 @@ fn elements_at(ty: Type) -> usize {
 }
 
 /// Returns the values of a primitive's parameters in their order: those in `given` by name, defaults for the others.
-fn sized_params(prim: PrimId, given: &[(&str, u32)]) -> Vec<Value> {
+pub(super) fn sized_params(prim: PrimId, given: &[(&str, u32)]) -> Vec<Value> {
     let value = |param: &rpi_image::Param| {
         let given = given.iter().find(|(name, _)| *name == param.name);
         given
@@ -321,6 +242,13 @@ fn sized_params(prim: PrimId, given: &[(&str, u32)]) -> Vec<Value> {
             .or_else(|| crate::ty::machine_types::param_default(param))
     };
     prim.desc().params.iter().filter_map(value).collect()
+}
+
+/// Returns the array of type `ty` with these leaves (scalar parts) if all are constant.
+pub(super) fn constant_array(wire: &[Signal], ty: Type) -> Option<Value> {
+    let values: Option<Vec<Value>> = wire.iter().map(constant).collect();
+    let cells = values?.iter().flat_map(|leaf| leaf.slots()).copied().collect();
+    Some(Value::Slots { ty, cells })
 }
 
 fn constant(signal: &Signal) -> Option<Value> {

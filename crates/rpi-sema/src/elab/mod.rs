@@ -20,6 +20,7 @@
 //! | `device.rs`, `entry_point.rs`, `resolve_aliases.rs` | devices, entry points (commands and nodes), resolving aliases |
 
 pub(crate) mod arrays;
+mod built_arrays;
 mod automaton;
 mod block;
 mod call;

@@ -22,6 +22,7 @@ pub(super) enum PrimitiveFamily {
     Array,
     ArrayGet,
     ArraySet,
+    ArrayConcatenate,
     Input,
 }
 
@@ -46,6 +47,11 @@ const NAMES: &[(PrimitiveFamily, Prefix, &str)] = &[
     (PrimitiveFamily::Array, Prefix::Reference, "Array"),
     (PrimitiveFamily::ArrayGet, Prefix::Reference, "ArrayGet"),
     (PrimitiveFamily::ArraySet, Prefix::Reference, "ArraySet"),
+    (
+        PrimitiveFamily::ArrayConcatenate,
+        Prefix::Rpi(""),
+        "ArrayConcatenate",
+    ),
     (PrimitiveFamily::Input, Prefix::Reference, "NetcommIn"),
 ];
 

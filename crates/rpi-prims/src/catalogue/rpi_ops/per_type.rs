@@ -1,10 +1,12 @@
 //! Operators that exist for each value type, generated from one definition.
 
 use super::devices::ports;
+use crate::aggregates::Array;
 use crate::macros::{interface, primitive};
 use crate::operand::Text;
 use crate::registry::Prim;
-use rpi_image::Role;
+use crate::value_types::FlowType;
+use rpi_image::{Role, ShapeArgs, ShapeRule, Type};
 
 /// Defines the primitives `Coalesce`, `Hold`, `Pre` and the device ports for one value type.
 macro_rules! operators {
@@ -46,10 +48,35 @@ macro_rules! operators {
                 role Role::Delay
             }
 
+            interface! {
+                /// Outputs the constant array in the parameter `Value` in every cycle.
+                ARRAY_VALUE = concat!("Rpi::", $name, "ArrayValue");
+                in {}
+                param { Value: Array<$t> = Neutral }
+                out { outValue: Array<$t> }
+                shape ShapeRule::SameAsParam("Value");
+                presence always work 0;
+                role Role::Constant
+            }
+
+            primitive! {
+                /// Array with the elements of `inFirst`, followed by those of `inSecond`.
+                ARRAY_CONCATENATE = concat!("Rpi::", $name, "ArrayConcatenate");
+                in { inFirst: Array<$t>; inSecond: Array<$t> }
+                out { outArray: Array<$t> }
+                shape ShapeRule::Computed(super::concatenated::<$t>);
+                presence strict work 8;
+                bulk |cx, _, (), (first, second), (to,)| {
+                    let (head, tail) = to.split_at(first.len());
+                    head.copy(cx.slots, first, 0);
+                    tail.copy(cx.slots, second, 0);
+                }
+            }
+
             ports!($name, $t);
 
             pub(in crate::catalogue) const ALL: &[Prim] =
-                &[COALESCE, HOLD, PRE, READ, SAMPLE, WRITE];
+                &[ARRAY_CONCATENATE, ARRAY_VALUE, COALESCE, HOLD, PRE, READ, SAMPLE, WRITE];
         }
     };
 }
@@ -63,3 +90,9 @@ operators!(rotation, "Rotation", crate::value_types::Rotation);
 operators!(frame, "Frame", crate::value_types::Pose);
 operators!(twist, "Twist", crate::value_types::Twist);
 operators!(wrench, "Wrench", crate::value_types::Wrench);
+
+/// Returns the type of the array with the elements of both array in-ports; `None` if its length has no 32 bits.
+fn concatenated<T: FlowType>(args: &ShapeArgs<'_>) -> Option<Type> {
+    let length = args.len(0)?.checked_add(args.len(1)?)?;
+    Some(Type::Array(T::SCALAR, length))
+}
