@@ -1,7 +1,7 @@
-//! Motions of the axes without a path: the device functions `move_axes`, `follow_joints`, `move_at_velocity`, `hold` and
-//! `follow_chunks`.
+//! Motions of the axes without a path: the device functions `move_axes`, `follow_joints`, `move_at_velocity`, `hold`,
+//! `follow_chunks` and `follow_pose_chunks`.
 
-use super::chunks::Chunks;
+use super::chunks::{Chunks, RowKind};
 use super::kinematics::PerAxis;
 use super::limits::Violation;
 use super::path_fault::{PathFault, out_of_range};
@@ -23,8 +23,8 @@ pub(super) enum AxesMotionKind {
     AtVelocity,
     /// The axes come to rest and stay there. The motion has no target.
     Hold,
-    /// The axes follow chunks of positions. Target: the newest chunk, read when its number changes.
-    Chunks,
+    /// The axes follow chunks with rows of this kind. Target: the newest chunk, read when its number changes.
+    Chunks(RowKind),
 }
 
 /// Motion of the axes of an arm without a path; inactive while the arm makes a motion along a path.
@@ -80,7 +80,7 @@ impl AxesMotion {
     /// Returns the state of the axes `elapsed` seconds after the last set-point if the arm stops on its own.
     pub(super) fn stopping(&self, elapsed: f64) -> JointState {
         match self.kind {
-            Some(AxesMotionKind::Chunks) => self.chunks.stopping(elapsed),
+            Some(AxesMotionKind::Chunks(_)) => self.chunks.stopping(elapsed),
             _ => self.motion.stopping(elapsed),
         }
     }
@@ -123,7 +123,7 @@ impl AxesMotion {
             _ => return Err(ErrorCode::NOT_POSITIVE.into()),
         };
         let begun = match kind {
-            AxesMotionKind::Chunks => self.chunks.begin(state, requested, period),
+            AxesMotionKind::Chunks(_) => self.chunks.begin(state, requested, period),
             _ => self.motion.begin(state, requested, period),
         };
         begun.map_err(|_| PathFault::from(ErrorCode::NOT_A_NUMBER))?;
@@ -146,8 +146,8 @@ impl AxesMotion {
         controls: Controls,
     ) -> Option<SetPoint> {
         let axes = arm.axes();
-        if self.kind? == AxesMotionKind::Chunks {
-            let (state, done) = self.chunks.next(arm, target, controls);
+        if let AxesMotionKind::Chunks(rows) = self.kind? {
+            let (state, done) = self.chunks.next(arm, rows, target, controls);
             return Some(self.set_point(arm, &state, done));
         }
         self.speed_share = if controls.paused {
@@ -163,7 +163,7 @@ impl AxesMotion {
                 velocity: reals(target, axes, axes),
             },
             AxesMotionKind::AtVelocity => JointGoal::Velocity(reals(target, 0, axes)),
-            AxesMotionKind::Hold | AxesMotionKind::Chunks => JointGoal::Rest,
+            AxesMotionKind::Hold | AxesMotionKind::Chunks(_) => JointGoal::Rest,
         };
         let next = self.motion.next_set_point(&goal, controls.speed_share);
         self.at_range_end = next.at_range_end;

@@ -4,7 +4,7 @@
 //! type `Arm` of `.rpi`.
 
 use super::axes_motion::AxesMotionKind;
-use super::chunks::CHUNK_SLOTS;
+use super::chunks::{CHUNK_SLOTS, RowKind};
 use super::kinematic_functions::{
     inverse_kinematics, inverse_kinematics_nullspace, kinematics, velocity_kinematics,
 };
@@ -145,11 +145,11 @@ const fn axes_motion(name: &'static str, kind: AxesMotionKind) -> PortRow {
     motion(name, MotionKind::Axes(kind))
 }
 
-const CHUNKS: PortRow = called(
-    "follow_chunks",
-    PortValue::PerAxisAnd(RESULT_SLOTS + CHUNK_SLOTS),
-    PortAction::Plan(MotionKind::Axes(AxesMotionKind::Chunks)),
-);
+const fn chunks(name: &'static str, rows: RowKind) -> PortRow {
+    let kind = MotionKind::Axes(AxesMotionKind::Chunks(rows));
+    let value = PortValue::PerAxisAnd(RESULT_SLOTS + CHUNK_SLOTS);
+    called(name, value, PortAction::Plan(kind))
+}
 
 const REAL: PortValue = PortValue::One(Real);
 const POSE: PortValue = PortValue::One(Pose);
@@ -281,7 +281,8 @@ pub(super) const PORTS: &[PortRow] = &[
     axes_motion("follow_joints", AxesMotionKind::Follow),
     axes_motion("move_at_velocity", AxesMotionKind::AtVelocity),
     axes_motion("hold", AxesMotionKind::Hold),
-    CHUNKS,
+    chunks("follow_chunks", RowKind::Joints),
+    chunks("follow_pose_chunks", RowKind::Poses),
     motion("move_tool_in_base", MotionKind::Jog(TwistFrame::Base)),
     motion("move_tool_in_tool", MotionKind::Jog(TwistFrame::Tool)),
     called(

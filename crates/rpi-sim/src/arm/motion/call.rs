@@ -149,7 +149,7 @@ impl Arm {
 }
 
 fn put_chunk_report(arm: &Arm, kind: MotionKind, out: &mut SlotWriter<'_>) {
-    if kind == MotionKind::Axes(AxesMotionKind::Chunks) {
+    if let MotionKind::Axes(AxesMotionKind::Chunks(_)) = kind {
         arm.motion.axes.put_chunk_report(out);
     }
 }
