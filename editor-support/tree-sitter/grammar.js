@@ -297,7 +297,7 @@ module.exports = grammar({
     _operand: ($) =>
       choice(
         $._name, $.boolean, $.string, $.number, $.quantity, $.percent, $.member, $.index, $.keyed_update, $.call, $.parenthesized, $.tuple,
-        alias("current", $.identifier), $.array, $.struct_value, $.update, $.merge, $.match, $.boolean_list, $.any_value, $.empty_set, $.ascription,
+        alias(choice("current", "last"), $.identifier), $.array, $.struct_value, $.update, $.merge, $.match, $.boolean_list, $.any_value, $.empty_set, $.ascription,
         $.constructor_test
       ),
     number: ($) => choice($.integer, $.real),
