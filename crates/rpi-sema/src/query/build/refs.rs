@@ -10,7 +10,7 @@ use rpi_diag::Span;
 use rpi_syntax::Name;
 use rpi_syntax::ast::{
     Access, Activation, Arg, Branch, Call, ClockValue, ExprKind, Match, NamedType, NextStep,
-    Pattern, Quantified, ResultPattern, SliceBounds, StaticArg, StaticValue, StructExpr, TypeKind,
+    Pattern, Quantified, ResultPattern, SliceBounds, StaticArg, StaticValue, StructExpr, TypeKind, Unit,
 };
 
 /// Resolves all names that have been recorded for resolution, and determines for each definition which members it has.
@@ -63,7 +63,8 @@ fn exprs_in<'a>(
 
 fn index_expr<'a>(builder: &mut Builder<'a>, scope: ScopeId, expr: &'a Expr) {
     match &expr.kind {
-        ExprKind::Bool(_) | ExprKind::Number(_) | ExprKind::Quantity(_) | ExprKind::Str(_) => {}
+        ExprKind::Bool(_) | ExprKind::Number(_) | ExprKind::Str(_) => {}
+        ExprKind::Quantity(quantity) => index_unit(builder, scope, &quantity.unit),
         ExprKind::Name(name) => {
             elementwise_array_name(builder, scope, name, expr.span);
         }
@@ -296,7 +297,10 @@ fn parameter(builder: &mut Builder<'_>, of: DefId, name: &Ident) {
 
 fn index_ty<'a>(builder: &mut Builder<'a>, scope: ScopeId, ty: &'a Type) {
     match &ty.kind {
-        TypeKind::Bool | TypeKind::Int | TypeKind::Real(_) | TypeKind::Error => {}
+        TypeKind::Bool | TypeKind::Int | TypeKind::Error => {}
+        TypeKind::Real(unit) => unit
+            .iter()
+            .for_each(|unit| index_unit(builder, scope, unit)),
         TypeKind::Named(named) => named_type(builder, scope, named),
         TypeKind::Array(array) => {
             index_ty(builder, scope, &array.element);
@@ -321,6 +325,17 @@ fn index_ty<'a>(builder: &mut Builder<'a>, scope: ScopeId, ty: &'a Type) {
                 [&refined.name.name].into_iter(),
                 &refined.condition,
             );
+        }
+    }
+}
+
+/// Resolves the static parameters in a unit of measure: a type parameter stands for the unit of its type. Other names are those of
+/// units, even if a flow has the same name.
+fn index_unit(builder: &mut Builder<'_>, scope: ScopeId, unit: &Unit) {
+    for factor in &unit.factors {
+        let def = builder.index.lookup(scope, &factor.unit.name);
+        if let Some(def) = def.filter(|def| builder.index.def(*def).kind == DefKind::StaticParam) {
+            builder.refer(factor.unit.span, def);
         }
     }
 }
