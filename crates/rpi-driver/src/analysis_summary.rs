@@ -33,7 +33,7 @@ pub(crate) struct RequestedReports {
 
 impl RequestedReports {
     /// Starts the reports that the options request, and removes those of an earlier compilation.
-    pub(crate) fn request(&self, options: CompileOptions) {
+    pub(crate) fn request(&self, options: &CompileOptions) {
         self.summaries.replace(options.summaries.then(Vec::new));
         self.faults.replace(options.faults.then(BTreeSet::new));
     }

@@ -22,6 +22,7 @@ use crate::program_tests::Test;
 use crate::roots;
 use crate::task::Task;
 use crate::violation;
+use crate::watch::UnknownFlow;
 
 /// Result of compiling a file: its nets or its image, its tasks and tests, and the diagnostics.
 #[derive(Debug)]
@@ -42,6 +43,8 @@ pub struct Compiled {
     pub summaries: Vec<AnalysisSummary>,
     /// Fragments, branches and transitions of the program that a coverage measurement counts; empty unless requested.
     pub coverage_points: Vec<CoveragePoints>,
+    /// Names of watched flows that no command has.
+    pub unknown_flows: Vec<UnknownFlow>,
 }
 
 /// Command with a parameter that has no value: there is neither a constant of its name nor a default in its
@@ -55,7 +58,7 @@ pub struct UnboundCommand {
 }
 
 /// Options for the compilation of a program: treatment of claims, reports, file access and period.
-#[derive(Clone, Copy, PartialEq, Eq, Default, Debug)]
+#[derive(Clone, PartialEq, Eq, Default, Debug)]
 pub struct CompileOptions {
     /// Treatment of claims (assertions and contracts) in the compiled nets: left out, exported, or checked with a
     /// fault.
@@ -74,6 +77,9 @@ pub struct CompileOptions {
     pub period_ns: Option<u64>,
     /// Where the number of axes of an `Arm` without a static argument comes from.
     pub arm_axes: ArmAxes,
+    /// Flows that the nets of commands export besides those of the program: names of flows, calls, fragments or commands, with
+    /// the path to them (`Move.Approach.way.travelled`). A name that is not one of a flow selects all flows inside.
+    pub watch: Vec<String>,
 }
 
 impl From<ClaimPolicy> for CompileOptions {
@@ -110,11 +116,16 @@ pub fn compile_with(
     input: &Input,
     options: impl Into<CompileOptions>,
 ) -> Result<Compiled, InputError> {
-    match input.kind {
-        InputKind::Rpib => image(input),
-        InputKind::Rpinet => Ok(net(input, input.text()?)),
-        InputKind::Rpi | InputKind::Lustre => program(input, input.text()?, options.into()),
-    }
+    let options = options.into();
+    let mut compiled = match input.kind {
+        InputKind::Rpib => image(input)?,
+        InputKind::Rpinet => net(input, input.text()?),
+        InputKind::Rpi | InputKind::Lustre => return program(input, input.text()?, options),
+    };
+    // Images and nets have no flows with names but those that they export.
+    let unknown = options.watch.into_iter();
+    compiled.unknown_flows = unknown.map(|name| UnknownFlow { name, near: None }).collect();
+    Ok(compiled)
 }
 
 fn program(input: &Input, text: &str, options: CompileOptions) -> Result<Compiled, InputError> {
@@ -130,7 +141,7 @@ fn program(input: &Input, text: &str, options: CompileOptions) -> Result<Compile
     }
     modules.machine.period_ns = options.period_ns.unwrap_or(modules.machine.period_ns);
     let mode = Dialect::from_path(&path);
-    let (mut built, _) = roots::build_modules(&modules, &sources, options);
+    let (mut built, _) = roots::build_modules(&modules, &sources, &options);
     let links = doctext::broken_links(&sources, mode, &|| modules.index());
     built.diagnostics.extend(links);
     if let Some((file, entries)) = modules.points.as_ref()
@@ -150,6 +161,7 @@ fn program(input: &Input, text: &str, options: CompileOptions) -> Result<Compile
         summaries: built.summaries,
         tasks: built.tasks,
         unbound: built.unbound,
+        unknown_flows: built.unknown_flows,
         coverage_points: match options.marks {
             true => coverage_points::coverage_points(&modules),
             false => Vec::new(),
@@ -170,7 +182,7 @@ pub fn compile_example(input: &Input, lines: &[Range<usize>]) -> Result<Compiled
     let around = program_text(input, &name, &path, text);
     let mut sources = SourceMap::new();
     let modules = Modules::load_example(&example, &around, &DiskLoader, &mut sources);
-    let (built, _) = roots::build_modules(&modules, &sources, ClaimPolicy::Report.into());
+    let (built, _) = roots::build_modules(&modules, &sources, &ClaimPolicy::Report.into());
     Ok(Compiled {
         sources,
         diagnostics: built.diagnostics,
@@ -179,6 +191,7 @@ pub fn compile_example(input: &Input, lines: &[Range<usize>]) -> Result<Compiled
         summaries: built.summaries,
         tasks: built.tasks,
         unbound: built.unbound,
+        unknown_flows: built.unknown_flows,
         coverage_points: Vec::new(),
     })
 }
@@ -206,6 +219,7 @@ fn image(input: &Input) -> Result<Compiled, InputError> {
         program: Program::Image(Box::new(image)),
         tasks: Vec::new(),
         unbound: Vec::new(),
+        unknown_flows: Vec::new(),
         tests: Vec::new(),
         summaries: Vec::new(),
         coverage_points: Vec::new(),
@@ -224,6 +238,7 @@ fn net(input: &Input, text: &str) -> Compiled {
         program: Program::Nets(net.into_iter().collect()),
         tasks: Vec::new(),
         unbound: Vec::new(),
+        unknown_flows: Vec::new(),
         tests: Vec::new(),
         summaries,
         coverage_points: Vec::new(),

@@ -45,7 +45,7 @@ pub fn inspect(path: &Path, text: &str, files: &dyn FileLoader) -> Inspection {
     let mut sources = SourceMap::new();
     let name = path.display().to_string();
     let modules = Modules::load(&stem(path), &name, text, path.parent(), files, &mut sources);
-    let (mut built, checked) = build_modules(&modules, &sources, ClaimPolicy::Report.into());
+    let (mut built, checked) = build_modules(&modules, &sources, &ClaimPolicy::Report.into());
     let links = doctext::broken_links(&sources, Dialect::from_path(&name), &|| modules.index());
     built.diagnostics.extend(links);
     Inspection {
@@ -131,7 +131,7 @@ impl Inspection {
             ..CompileOptions::from(ClaimPolicy::Report)
         };
         let faults = || {
-            build_modules(&self.modules, &self.sources, options)
+            build_modules(&self.modules, &self.sources, &options)
                 .0
                 .faults
         };

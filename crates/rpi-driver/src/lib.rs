@@ -51,6 +51,7 @@ mod typed_program;
 mod unit_analysis;
 mod unused_outputs;
 mod violation;
+mod watch;
 
 pub use analysed_net::AnalysedNet;
 pub use analysis_summary::AnalysisSummary;
@@ -77,3 +78,4 @@ pub use project::{MANIFEST, Project, files_of};
 pub use rpi_sema::elab::ClaimPolicy;
 pub use task::{Task, TaskNode, TaskPlan, TaskPlanError};
 pub use typed_program::{TypedProgram, check_typed};
+pub use watch::UnknownFlow;

@@ -4,7 +4,7 @@ use std::collections::BTreeSet;
 
 use rpi_diag::{Diagnostic, SourceMap};
 use rpi_sema::CheckedProgram;
-use rpi_sema::elab::{Argument, ClaimPolicy, elaborate};
+use rpi_sema::elab::{Argument, elaborate, elaborate_watched};
 use rpi_sema::typed::{BlockId, TypedKind, Unit, UnitId, UnitKind};
 
 use crate::analysed_net::AnalysedNet;
@@ -16,7 +16,8 @@ use crate::modules::Modules;
 use crate::program::{AnalysedProgram, with_checked_program};
 use crate::program_tests::Test;
 use crate::task::{self, Instance, Task};
-use crate::unit_analysis::{AnalysedUnit, elaborate_and_analyse, with_claims};
+use crate::unit_analysis::{AnalysedUnit, elaborate_and_analyse, elaborated_again, with_claims};
+use crate::watch::{UnknownFlow, Watch};
 
 /// Result of compiling the modules of a program: nets, tests and tasks, with the diagnostics of all stages.
 pub(crate) struct BuildOutput {
@@ -35,13 +36,15 @@ pub(crate) struct BuildOutput {
     pub(crate) faults: Vec<FaultLocation>,
     /// Tasks of the program with their plans, in source order.
     pub(crate) tasks: Vec<Task>,
+    /// Names of watched flows that no command has.
+    pub(crate) unknown_flows: Vec<UnknownFlow>,
 }
 
 /// Compiles parsed modules to nets, tests and tasks. Also returns the result of the checker.
 pub(crate) fn build_modules(
     modules: &Modules,
     sources: &SourceMap,
-    options: CompileOptions,
+    options: &CompileOptions,
 ) -> (BuildOutput, CheckedProgram) {
     let back = |front: &AnalysedProgram<'_>, diagnostics: &mut Vec<Diagnostic>| {
         build_roots(front, options, diagnostics)
@@ -54,6 +57,7 @@ pub(crate) fn build_modules(
         summaries: roots.summaries,
         faults: roots.faults,
         tasks: roots.tasks,
+        unknown_flows: roots.unknown_flows,
         diagnostics,
     };
     (built, checked)
@@ -69,15 +73,17 @@ struct Roots {
     summaries: Vec<AnalysisSummary>,
     faults: Vec<FaultLocation>,
     tasks: Vec<Task>,
+    unknown_flows: Vec<UnknownFlow>,
 }
 
 fn build_roots(
     front: &AnalysedProgram<'_>,
-    options: CompileOptions,
+    options: &CompileOptions,
     diagnostics: &mut Vec<Diagnostic>,
 ) -> Roots {
-    let (claims, checked) = (options.claims, front.checked);
+    let checked = front.checked;
     front.reports.request(options);
+    let watch = Watch::new(&options.watch);
     let called = called_units(&checked.units);
     let (mut roots, mut instances) = (Roots::default(), InstanceDiagnostics::default());
     for (_, unit) in &checked.runnable {
@@ -102,7 +108,7 @@ fn build_roots(
         let analysed = analysed.filter(|_| !args.contains(&Argument::Unknown));
         match (kind, analysed) {
             (UnitKind::Command, Some(analysed)) => {
-                let net = command_net(front, *unit, &args, analysed, claims, found);
+                let net = command_net(front, *unit, &args, analysed, (options, &watch), found);
                 roots.nets.extend(net);
             }
             (UnitKind::Test, Some(analysed)) => {
@@ -113,10 +119,11 @@ fn build_roots(
     }
     let (tasks, commands) = task::tasks(front, diagnostics);
     let nets = commands.into_iter();
-    let nets = nets.filter_map(|command| instance_net(front, command, claims, &mut instances));
+    let nets = nets.filter_map(|command| instance_net(front, command, (options, &watch), &mut instances));
     roots.nets.extend(nets);
     diagnostics.extend(instances.merge());
     roots.tasks = tasks;
+    roots.unknown_flows = watch.unknown_names();
     (roots.summaries, roots.faults) = front.reports.take();
     roots
 }
@@ -126,7 +133,7 @@ fn build_roots(
 fn instance_net(
     front: &AnalysedProgram<'_>,
     instance: Instance,
-    claims: ClaimPolicy,
+    options: (&CompileOptions, &Watch<'_>),
     instances: &mut InstanceDiagnostics,
 ) -> Option<AnalysedNet> {
     let Instance {
@@ -139,22 +146,34 @@ fn instance_net(
     let found = instances.add_instance(unit, run);
     let analysed = elaborate_and_analyse(front, unit, &args, found)?;
     front.reports.rename_last(&name);
-    let net = command_net(front, unit, &args, analysed, claims, found)?;
+    let net = command_net(front, unit, &args, analysed, options, found)?;
     Some(net.with_name(name))
 }
 
-/// Returns the net of an analysed command with the requested treatment of its claims (assertions and contracts). It is
-/// compiled again if its claims are to be treated differently from before.
+/// Returns the net of an analysed command with the requested treatment of its claims (assertions and contracts), and with the
+/// exports of watched flows. It is compiled again if this makes a difference.
 fn command_net(
     front: &AnalysedProgram<'_>,
     unit: UnitId,
     args: &[Argument],
     analysed: AnalysedUnit,
-    claims: ClaimPolicy,
+    (options, watch): (&CompileOptions, &Watch<'_>),
     diagnostics: &mut Vec<Diagnostic>,
 ) -> Option<AnalysedNet> {
-    let again = || elaborate(&front.checked.units, front.facts, unit, args, claims);
-    let analysed = with_claims(front, unit, analysed, claims, diagnostics, again)?;
+    let (units, facts, claims) = (&front.checked.units, front.facts, options.claims);
+    let name = &front.checked.unit(unit).name;
+    let selection = watch.selection_in(name);
+    let analysed = match selection.is_empty() {
+        true => {
+            let again = || elaborate(units, facts, unit, args, claims);
+            with_claims(front, unit, analysed, claims, diagnostics, again)?
+        }
+        false => {
+            let (again, flows) = elaborate_watched(units, facts, unit, args, claims, selection);
+            watch.record(name, flows);
+            elaborated_again(front, unit, again, diagnostics)?
+        }
+    };
     Some(analysed.net)
 }
 

@@ -44,7 +44,16 @@ pub(crate) fn with_claims(
     if claims == ClaimPolicy::Report || !analysed.has_claims {
         return Some(analysed);
     }
-    let elaborated = elaborate();
+    elaborated_again(front, unit, elaborate(), diagnostics)
+}
+
+/// Returns the unit with another net, `elaborated`, of the same source.
+pub(crate) fn elaborated_again(
+    front: &AnalysedProgram<'_>,
+    unit: UnitId,
+    elaborated: ElaboratedUnit,
+    diagnostics: &mut Vec<Diagnostic>,
+) -> Option<AnalysedUnit> {
     // The net with all claims has been checked, so the diagnostics of this one repeat them.
     match rpi_net::passes::analyse(elaborated.net, |_| false) {
         Ok(analysis) => Some(AnalysedUnit {
@@ -52,7 +61,7 @@ pub(crate) fn with_claims(
             inputs: elaborated.inputs,
             outputs: elaborated.outputs,
             locals: elaborated.locals,
-            has_claims: true,
+            has_claims: elaborated.has_claims,
         }),
         Err(violation) => {
             let span = front.checked.unit(unit).span;

@@ -119,6 +119,10 @@ pub(crate) struct Target {
     /// Set an input of the command before the start; may be repeated.
     #[arg(long = "set", value_name = "KEY=VALUE")]
     pub(crate) settings: Vec<InputSetting>,
+    /// Watch a flow that the program does not export, named by its command and the path to it, such as
+    /// `Move.Approach.way.travelled`; a command, call or fragment stands for all flows inside. May be repeated.
+    #[arg(long, value_name = "FLOW")]
+    pub(crate) watch: Vec<String>,
 }
 
 /// Options of `rpi run`.

@@ -49,6 +49,7 @@ fn load(args: &LatencyArgs) -> Result<CycleTiming, Box<dyn std::error::Error>> {
         cycles: None,
         time: Some(args.time),
         settings: Vec::new(),
+        watch: Vec::new(),
     };
     let compiled = program::load(&path, target::compile_options(&target)?)?;
     let bundle = target::task_bundle(&compiled, &target, target::lower_for_run)?;

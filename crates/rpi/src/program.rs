@@ -4,23 +4,35 @@ use std::fmt;
 use std::path::Path;
 
 use rpi_diag::{Style, render};
-use rpi_driver::{AnalysedNet, CompileOptions, Compiled, Task, UnboundCommand};
+use rpi_driver::{AnalysedNet, CompileOptions, Compiled, Input, Task, UnboundCommand};
 
 /// Compiles a file and prints its diagnostics. Returns an error if the file cannot be read or does not compile.
 pub(crate) fn load(
     path: &Path,
     options: impl Into<CompileOptions>,
 ) -> Result<Compiled, Box<dyn std::error::Error>> {
-    let compiled = rpi_driver::compile_with(&rpi_driver::read(path)?, options)?;
+    compile(&rpi_driver::read(path)?, options.into())
+}
+
+/// Compiles the content of a file and prints its diagnostics. Returns an error if it does not compile, or if a flow that is to be
+/// watched does not exist.
+pub(crate) fn compile(
+    input: &Input,
+    options: CompileOptions,
+) -> Result<Compiled, Box<dyn std::error::Error>> {
+    let compiled = rpi_driver::compile_with(input, options)?;
     let style = Style::for_stream(&std::io::stderr());
     rpi_diag::print_stderr!(
         "{}",
         render(&compiled.diagnostics, &compiled.sources, style)
     );
     if compiled.has_errors() {
-        return Err(format!("{} does not compile", path.display()).into());
+        return Err(format!("{} does not compile", input.path.display()).into());
     }
-    Ok(compiled)
+    match compiled.unknown_flows.first() {
+        Some(unknown) => Err(unknown.clone().into()),
+        None => Ok(compiled),
+    }
 }
 
 /// Returns the net of the command called `name`, or of the only command if `name` is `None`. `tasks` gives further

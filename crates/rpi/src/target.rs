@@ -126,6 +126,7 @@ pub(crate) fn compile_options(target: &Target) -> Result<CompileOptions, Box<dyn
     Ok(CompileOptions {
         arm_axes: axes,
         claims: ClaimPolicy::Off,
+        watch: target.watch.clone(),
         ..CompileOptions::default()
     })
 }

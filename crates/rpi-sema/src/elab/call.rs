@@ -16,6 +16,7 @@ use crate::elab::sampled_flows;
 use crate::elab::scope::{FlowState, Scope};
 use crate::elab::signal::{Signal, Wire};
 use crate::elab::subrange;
+use crate::elab::watched_flows;
 use crate::elab::{ElabMode, Elaborator, MAX_DEPTH, NotConstantError, Position};
 use crate::typed::{Activation, Call};
 use crate::typed::{BlockId, ExprId, Unit, UnitId, UnitKind};
@@ -318,6 +319,7 @@ fn inline_body<'u>(
     let is_lifted = keeps_results || crate::clocks::may_be_inactive(unit);
     let around = std::mem::replace(&mut scope.base, inner.fragment);
     let leaves = outputs_of(elab, &mut scope, is_lifted, span);
+    watched_flows::export_watched(elab, &mut scope, inner);
     scope.base = around;
     elab.inlining.exposed_conditions = match elab.mode {
         ElabMode::Constant => Vec::new(),

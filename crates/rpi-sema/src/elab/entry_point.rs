@@ -12,6 +12,7 @@ use crate::elab::scope::{FlowState, Scope};
 use crate::elab::signal::{Signal, single_wire};
 use crate::elab::subrange;
 use crate::elab::time;
+use crate::elab::watched_flows::{self, FlowSelection};
 use crate::elab::{ClaimPolicy, ElabMode, Elaborator, LazyOperand, Position};
 use crate::facts::Facts;
 use crate::ty::Ty;
@@ -77,6 +78,8 @@ pub struct ElaboratedUnit {
     /// Whether a branch that a constant condition never takes was left out of the net. A dependency cycle may lead
     /// through that branch.
     pub dropped_code: bool,
+    /// Names of all flows of the net; empty unless flows are watched.
+    flow_names: Vec<String>,
 }
 
 /// Elaborates the net of a unit. `args` are the values of its parameters in order; further parameters are unknown.
@@ -90,6 +93,26 @@ pub fn elaborate(
     claims: ClaimPolicy,
 ) -> ElaboratedUnit {
     Elaboration::new(units, facts, id, args, claims).run(ElabMode::Net)
+}
+
+/// Elaborates the net of a unit as [`elaborate`] does, and exports the selected flows besides. Also returns the names of all
+/// flows of the net.
+#[must_use]
+pub fn elaborate_watched(
+    units: &[Unit],
+    facts: &[Facts],
+    id: UnitId,
+    args: &[Argument],
+    claims: ClaimPolicy,
+    watch: FlowSelection,
+) -> (ElaboratedUnit, Vec<String>) {
+    let mut elaborated = Elaboration {
+        watch,
+        ..Elaboration::new(units, facts, id, args, claims)
+    }
+    .run(ElabMode::Net);
+    let names = std::mem::take(&mut elaborated.flow_names);
+    (elaborated, names)
 }
 
 /// Elaborates a unit with a net node for every equation, so that a dependency cycle in the net names every equation on
@@ -142,6 +165,8 @@ struct Elaboration<'u, 'a> {
     claims: ClaimPolicy,
     /// Whether the local flows of the unit can be observed by the host.
     locals: bool,
+    /// Flows to be exported besides those of the program.
+    watch: FlowSelection,
 }
 
 impl<'u, 'a> Elaboration<'u, 'a> {
@@ -159,6 +184,7 @@ impl<'u, 'a> Elaboration<'u, 'a> {
             args,
             claims,
             locals: false,
+            watch: FlowSelection::default(),
         }
     }
 
@@ -167,6 +193,7 @@ impl<'u, 'a> Elaboration<'u, 'a> {
     fn run(&self, mode: ElabMode) -> ElaboratedUnit {
         let mut elab = Elaborator::new(self.units, self.facts, mode);
         elab.claim_policy = self.claims;
+        elab.watch.selection = self.watch.clone();
         node_budget::credit_text(&mut elab, self.id);
         let unit = &self.units[self.id.0 as usize];
         elab.records_coverage = unit.kind == UnitKind::Test;
@@ -182,6 +209,7 @@ impl<'u, 'a> Elaboration<'u, 'a> {
         let outputs = external_ports::unit_outputs(&mut elab, &mut scope);
         external_ports::exports(&mut elab, &mut scope);
         driver(&mut elab, &mut scope);
+        watched_flows::export_watched(&mut elab, &mut scope, Position::ROOT);
         let claims = elab.kept_exports.len();
         let locals = match self.locals {
             true => external_ports::elab_locals(&mut elab, &mut scope),
@@ -196,6 +224,7 @@ impl<'u, 'a> Elaboration<'u, 'a> {
         }
         let ports = elab.kept_exports.split_off(claims);
         let locals = locals.into_iter().zip(ports);
+        watched_flows::drop_repeated(&mut elab);
         elab.net.exports.append(&mut elab.kept_exports);
         ElaboratedUnit {
             net: elab.net,
@@ -208,6 +237,7 @@ impl<'u, 'a> Elaboration<'u, 'a> {
             diagnostics: elab.diagnostics,
             stateful_operands: elab.lazy_operands,
             dropped_code: elab.leaves_out_code,
+            flow_names: elab.watch.names,
         }
     }
 }

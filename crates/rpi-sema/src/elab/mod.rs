@@ -11,18 +11,19 @@
 //! | `constant.rs` | evaluation of constants; the checker uses it too |
 //! | `signal.rs` | signal that a leaf is connected to |
 //! | `primitive_family.rs` | primitives that exist once per value type |
-//! | `nodes.rs`, `arrays.rs`, `deferred_arrays.rs` | adding and folding nodes; arrays at ports |
+//! | `nodes.rs`, `arrays.rs`, `built_arrays.rs`, `deferred_arrays.rs` | adding and folding nodes; arrays at ports |
 //! | `scope.rs`, `index_map.rs`, `flows.rs` | one inlined unit and its flows |
 //! | `expr.rs`, `elementwise.rs`, `guards.rs`, `short_circuit.rs`, `call.rs`, `time.rs` | expressions |
 //! | `block.rs`, `claims.rs`, `automaton.rs`, `sampled_flows.rs` | bodies, claims, automata, sampled flows |
 //! | `fragment_outputs.rs`, `fragment_inputs.rs` | outputs and inputs of fragments |
 //! | `subrange.rs` | run-time checks of subranges |
+//! | `watched_flows.rs` | exports of flows that a user watches |
 //! | `device.rs`, `entry_point.rs`, `resolve_aliases.rs` | devices, entry points (commands and nodes), resolving aliases |
 
 pub(crate) mod arrays;
-mod built_arrays;
 mod automaton;
 mod block;
+mod built_arrays;
 mod call;
 mod claims;
 pub(crate) mod condact;
@@ -53,10 +54,11 @@ mod signal;
 pub(crate) mod size_budget;
 mod subrange;
 mod time;
+mod watched_flows;
 
 pub use crate::elab::entry_point::{
     Argument, ElaboratedUnit, ObservableFlow, PortShape, elaborate, elaborate_dependency_steps,
-    elaborate_node, has_hidden_dependency_cycle, parameters,
+    elaborate_node, elaborate_watched, has_hidden_dependency_cycle, parameters,
 };
 pub use crate::elab::size_budget::{MAX_STEPS, MAX_TASK_DEPTH, SizeBudget, task_too_large};
 pub use claims::ClaimPolicy;
@@ -64,6 +66,7 @@ pub use constant::evaluate_argument;
 pub(crate) use constant::{NotConstantError, evaluate_constant};
 
 pub use crate::elab::short_circuit::LazyOperand;
+pub use crate::elab::watched_flows::{FlowSelection, MAX_WATCHED, contains as name_contains};
 use crate::facts::Facts;
 use crate::hash::{FastMap, FastSet};
 use crate::typed::{ExprId, Unit, UnitId};
@@ -147,6 +150,8 @@ struct Elaborator<'u> {
     records_coverage: bool,
     /// Exports of claims and observed flows. They belong to flows that nothing else in the net may read.
     kept_exports: Vec<rpi_net::ExportPort>,
+    /// Flows that are exported because a user watches them.
+    watch: watched_flows::Watch,
 }
 
 /// Placeholder ports ("aliases") for signals that are read before they are known.
@@ -239,6 +244,7 @@ impl<'u> Elaborator<'u> {
             claim_policy: ClaimPolicy::default(),
             records_coverage: false,
             kept_exports: Vec::new(),
+            watch: watched_flows::Watch::default(),
         }
     }
 
