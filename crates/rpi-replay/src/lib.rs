@@ -10,3 +10,4 @@ pub mod node_runner;
 pub mod plot;
 pub mod testing;
 pub mod trace_compare;
+pub mod why;

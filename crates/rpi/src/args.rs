@@ -11,13 +11,16 @@ use rpi_runtime::run::InputSetting;
 use rpi_serve::{OnLoss, SocketSettings};
 
 use crate::budget_args::BudgetArgs;
+use crate::export::ExportArgs;
 use crate::guard::GuardArgs;
 use crate::latency_args::LatencyArgs;
 use crate::recording_args::RecordingArgs;
+use crate::recording_verbs::RecordingCommand;
 use crate::robot_args::{CellCommand, RobotCommand};
 use crate::socket_arg::parse_socket;
 use crate::teach::TeachArgs;
 use crate::view_args::ViewArgs;
+use crate::why::WhyArgs;
 
 /// Control core of robots: runs commands that take over from one another without a gap.
 #[derive(Debug, Parser)]
@@ -64,6 +67,17 @@ pub(crate) enum CliCommand {
     /// The page is served on this machine only, until the process is interrupted. With --report, it is written to a
     /// file that any browser opens without this tool and without a network.
     View(ViewArgs),
+    /// Explain why a flow has its value: its causes, back over the cycles of a recording.
+    ///
+    /// The recording is replayed with the values of all ports. Causes are followed through the operands that decide (the chosen
+    /// branch of an `if`, a false operand of an `and`, an absent operand, the condition of an inactive fragment) and through delays,
+    /// down to inputs, sensors, constants and first values.
+    Why(WhyArgs),
+    /// Write the values of a recording as a table (CSV), one row per tick and one column per number.
+    Export(ExportArgs),
+    /// Examine a recording, or complete one that was cut off.
+    #[command(subcommand)]
+    Recording(RecordingCommand),
     /// Measure which period this machine can hold, and show why.
     ///
     /// A thread with the priority, memory locking and core that the system grants is woken periodically. Its wake-up

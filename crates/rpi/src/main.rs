@@ -1,5 +1,5 @@
-//! Command-line tool of the control core: `rpi run`, `rpi serve`, `rpi replay`, `rpi view`, `rpi trace`, `rpi latency`,
-//! `rpi robot`, `rpi cell`.
+//! Command-line tool of the control core: `rpi run`, `rpi serve`, `rpi replay`, `rpi view`, `rpi export`, `rpi recording`,
+//! `rpi trace`, `rpi latency`, `rpi robot`, `rpi cell`.
 //!
 //! Exit status: 0 for success, 1 for a command's error or a differing trace, 2 for invalid input, 3 for a fault while
 //! running, 4 for a crash of the control core.
@@ -8,6 +8,7 @@ mod args;
 mod budget_args;
 mod cell_file;
 mod exit;
+mod export;
 mod guard;
 mod interrupt;
 mod latency;
@@ -18,7 +19,9 @@ mod own_program;
 mod program;
 mod random;
 mod random_inputs;
+mod recorded_run;
 mod recording_args;
+mod recording_verbs;
 mod replay;
 mod robot;
 mod robot_args;
@@ -31,6 +34,8 @@ mod teach;
 mod trace;
 mod view;
 mod view_args;
+mod watched_recording;
+mod why;
 
 use std::path::Path;
 use std::process::ExitCode;
@@ -56,6 +61,9 @@ fn main() -> ExitCode {
         CliCommand::Trace(args) => trace::trace(&args),
         CliCommand::Replay(args) => replay::replay(&args),
         CliCommand::View(args) => view::view(&args),
+        CliCommand::Why(args) => why::why_command(&args),
+        CliCommand::Export(args) => export::export(&args),
+        CliCommand::Recording(command) => recording_verbs::recording(&command),
         CliCommand::Latency(args) => latency::latency(&args),
         CliCommand::Robot(command) => robot::robot(&command),
         CliCommand::Cell(CellCommand::Check { cell }) => cell_file::check(&cell),

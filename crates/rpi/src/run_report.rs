@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 
 use crate::args::RunArgs;
 use crate::run::{create, is_mcap};
-use crate::view;
+use crate::{recorded_run, view};
 
 /// Report of a run that is written after the run, and the recording that it is made from.
 pub(crate) struct RunReport {
@@ -39,7 +39,7 @@ impl RunReport {
 
     /// Writes the report after the run.
     pub(crate) fn write(&self) -> Result<(), Box<dyn Error>> {
-        let run = view::load(&self.recording, (None, None))?;
+        let run = recorded_run::load(&self.recording)?;
         view::write_report(&run, &self.path, &self.file)
     }
 }

@@ -2,11 +2,10 @@
 
 use std::error::Error;
 use std::io::Write;
-use std::ops::Range;
 use std::path::Path;
 use std::process::{Command, Stdio};
 
-use rpi_record::mcap::{Recording, RunData};
+use rpi_record::mcap::RunData;
 use rpi_view::ViewServer;
 
 use crate::exit::{CommandResult, Exit};
@@ -15,9 +14,9 @@ use crate::view_args::ViewArgs;
 
 /// Carries out `rpi view`: serves the page of a recording until the process is interrupted, or writes a report.
 pub(crate) fn view(args: &ViewArgs) -> CommandResult {
-    let run = load(&args.recording, (args.from, args.to))?;
+    let run = args.run.load()?;
     if let Some(path) = &args.report {
-        let file = output::create(path, &[&args.recording])?;
+        let file = output::create(path, &[&args.run.recording])?;
         write_report(&run, path, file)?;
         return Ok(Exit::Success);
     }
@@ -31,27 +30,6 @@ pub(crate) fn view(args: &ViewArgs) -> CommandResult {
     }
     server.serve()?;
     Ok(Exit::Success)
-}
-
-/// Loads the values of a recording between two times in ns since the start of the run.
-pub(crate) fn load(
-    path: &Path,
-    (from, to): (Option<u64>, Option<u64>),
-) -> Result<RunData, Box<dyn Error>> {
-    let name = path.display();
-    let recording = Recording::open(path).map_err(|e| format!("{name}: {e}"))?;
-    let tick = |ns: u64| ns / recording.tick_ns;
-    let ticks: Range<u64> = from.map_or(0, tick)..to.map_or(u64::MAX, tick);
-    if ticks.is_empty() {
-        return Err("--from must be before --to".into());
-    }
-    let run = recording
-        .run_data(ticks)
-        .map_err(|e| format!("{name}: {e}"))?;
-    match run.ticks.is_empty() {
-        true => Err(format!("{name}: there are no cycles in this time").into()),
-        false => Ok(run),
-    }
 }
 
 /// Writes the report of a run to the file `path`, which is open as `file`.

@@ -45,6 +45,8 @@ pub struct Recording {
     /// Reason why the recording has no end, such as a missing file or a killed process. `None` for a complete
     /// recording.
     pub cut: Option<String>,
+    /// Whether the images were replaced by ones that export more flows than were recorded.
+    pub(super) is_watched: bool,
     parts: Vec<PartSource>,
 }
 
@@ -323,6 +325,7 @@ impl RecordCollection {
             events: self.events,
             lost,
             cut: end.err(),
+            is_watched: false,
             parts,
         })
     }

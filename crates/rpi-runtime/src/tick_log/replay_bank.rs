@@ -2,6 +2,7 @@
 //! the tick log.
 
 use std::cell::RefCell;
+use std::collections::BTreeSet;
 use std::ops::Range;
 
 use rpi_core::AbortReason;
@@ -47,11 +48,42 @@ pub struct ReplayBank {
 struct ReplayState {
     words: Vec<u64>,
     at: usize,
+    /// Whether accesses may come in another order than in the log, and be more or fewer.
+    any_order: bool,
+    /// Positions of the entries from `at` on that were replayed before their turn.
+    replayed: BTreeSet<usize>,
     loaded: bool,
     mismatch: Option<Mismatch>,
 }
 
 impl ReplayState {
+    /// Returns the first entry of this kind and key that was not replayed; `None` if there is none, which is no mismatch.
+    fn next_of(&mut self, kind: EntryKind, key: u32) -> Option<LogEntry<'_>> {
+        let mut at = self.at;
+        loop {
+            let (entry, after) = decode_first(self.words.get(at..)?)?;
+            let end = self.words.len() - after.len();
+            if (entry.kind, entry.key) == (kind, key) && !self.replayed.contains(&at) {
+                break;
+            }
+            at = end;
+        }
+        self.replayed.insert(at);
+        self.skip(|_| false);
+        decode_first(&self.words[at..]).map(|(entry, _)| entry)
+    }
+
+    /// Advances over the entries that were replayed, and over those of a kind for which `is_over` holds.
+    fn skip(&mut self, is_over: impl Fn(EntryKind) -> bool) {
+        while let Some((entry, end)) = self.peek() {
+            let is_over = is_over(entry.kind);
+            if !(self.replayed.remove(&self.at) || is_over) {
+                return;
+            }
+            self.at = end;
+        }
+    }
+
     fn peek(&self) -> Option<(LogEntry<'_>, usize)> {
         let rest = self.words.get(self.at..)?;
         let (entry, after) = decode_first(rest)?;
@@ -61,6 +93,9 @@ impl ReplayState {
     /// Returns the next entry of the log if it has this kind and key, and advances. Otherwise the mismatch is stored,
     /// `None` is returned, and nothing more is replayed.
     fn next(&mut self, kind: EntryKind, key: u32) -> Option<LogEntry<'_>> {
+        if self.any_order {
+            return self.next_of(kind, key);
+        }
         if self.mismatch.is_some() {
             return None;
         }
@@ -91,11 +126,29 @@ impl ReplayBank {
         }
     }
 
+    /// Creates a replay bank for commands that were compiled otherwise than the recorded ones: they may access the devices in
+    /// another order, and read ports that were not recorded, which have no value. Set-points are compared.
+    #[must_use]
+    pub fn in_any_order(devices: usize) -> ReplayBank {
+        let bank = ReplayBank::new(devices);
+        bank.state.borrow_mut().any_order = true;
+        bank
+    }
+
+    /// Ends the accesses of the commands in a tick: those of the log that are left are skipped if any order is permitted.
+    pub fn end_accesses(&mut self) {
+        let state = self.state.get_mut();
+        if state.any_order {
+            state.skip(|kind| !matches!(kind, EntryKind::Halt | EntryKind::OverrunCause));
+        }
+    }
+
     /// Loads the logged exchange with the devices in the next tick, as words of entries.
     pub fn load_tick(&mut self, exchange: &[u64]) {
         let state = self.state.get_mut();
         state.words.clear();
         state.words.extend_from_slice(exchange);
+        state.replayed.clear();
         (state.at, state.loaded) = (0, true);
     }
 
@@ -125,6 +178,7 @@ impl ReplayBank {
         let state = self.state.get_mut();
         let left = state
             .peek()
+            .filter(|_| !state.any_order)
             .map(|(e, _)| Mismatch::MissingAccess(e.kind, e.key));
         state.mismatch.take().or(left)
     }
@@ -324,5 +378,29 @@ mod tests {
             now: (EntryKind::Stop, 2),
         };
         assert_eq!(more.mismatch(), Some(mismatch));
+    }
+
+    #[test]
+    fn accesses_in_another_order_get_their_own_answers() {
+        let mut stage = EntryBuffer::with_capacity(64);
+        stage.push(EntryKind::Read, 3, true, &[&[7]]);
+        stage.push(EntryKind::Read, 5, true, &[&[8]]);
+        stage.push(EntryKind::Read, 3, true, &[&[9]]);
+        stage.push(EntryKind::Write, 4, false, &[&[1]]);
+        let mut player = ReplayBank::in_any_order(0);
+        player.load_tick(stage.words().unwrap());
+        let read = |player: &mut ReplayBank, port| {
+            let mut value = [0];
+            player.read(PortId(port), &mut value).then_some(value[0])
+        };
+        assert_eq!(read(&mut player, 5), Some(8));
+        // What was not recorded has no value.
+        assert_eq!(read(&mut player, 6), None);
+        assert_eq!(read(&mut player, 3), Some(7));
+        player.write(PortId(4), &[2]);
+        assert_eq!(read(&mut player, 3), Some(9));
+        assert_eq!(read(&mut player, 3), None);
+        player.end_accesses();
+        assert!(matches!(player.mismatch(), Some(Mismatch::SetPoint { port: 4, .. })));
     }
 }

@@ -5,6 +5,7 @@
 
 mod activity;
 mod columns;
+mod watched;
 
 use std::ops::Range;
 
@@ -61,17 +62,24 @@ impl Recording {
         self.add_commands(&mut names, &mut table);
         let mut columns = columns::ColumnBuilder::new(&self.cell);
         let mut recorded: Option<Range<u64>> = None;
-        self.for_each_tick(|words| {
-            let tick = LoggedTick::from_words(words);
-            let tick =
-                tick.ok_or_else(|| RecordingError::Damaged("invalid tick in the tick log".into()))?;
+        let mut add = |tick: &LoggedTick<'_>| {
             let all = recorded.get_or_insert(tick.number..tick.number);
             all.end = all.end.max(tick.number.saturating_add(1));
-            if ticks.contains(&tick.number) {
-                columns.add(tick.number, &table.messages(&tick, &names))?;
+            match ticks.contains(&tick.number) {
+                true => columns.add(tick.number, &table.messages(tick, &names)),
+                false => Ok(()),
             }
-            Ok(tick.number < ticks.end)
-        })?;
+        };
+        match self.is_watched {
+            true => watched::for_each_replayed_tick(self, &mut add)?,
+            false => self.for_each_tick(|words| {
+                let tick = LoggedTick::from_words(words);
+                let tick = tick
+                    .ok_or_else(|| RecordingError::Damaged("invalid tick in the tick log".into()))?;
+                add(&tick)?;
+                Ok(tick.number < ticks.end)
+            })?,
+        }
         let recorded = recorded.unwrap_or(0..0);
         let within = recorded.start.max(ticks.start)..recorded.end.min(ticks.end);
         Ok(RunData {

@@ -1,0 +1,171 @@
+//! `rpi why`: the causes of the value of a flow in a recording.
+
+use std::error::Error;
+use std::fmt::Write;
+use std::path::PathBuf;
+
+use clap::Args;
+use rpi_core::CommandId;
+use rpi_driver::{AnalysedNet, Compiled};
+use rpi_net::PortRef;
+use rpi_record::mcap::{Recording, replay_observed};
+use rpi_replay::why::{History, Why, WhyStep, why};
+
+use crate::exit::{CommandResult, Exit};
+use crate::recorded_run;
+use crate::watched_recording::compiled_again;
+
+/// Options of `rpi why`.
+#[derive(Args, Debug)]
+pub(crate) struct WhyArgs {
+    /// Recording (.mcap): the file of its first part.
+    recording: PathBuf,
+    /// Flow, named by its command and the path to it, such as `Move.Approach.way.done`.
+    flow: String,
+    /// Time of the run at which the flow has the value in question, such as 1.5s; default: the last cycle of the command.
+    #[arg(long, value_name = "TIME", value_parser = rpi_driver::parse_duration)]
+    at: Option<u64>,
+    /// Program that was recorded, if it consists of several files.
+    #[arg(long, value_name = "FILE")]
+    program: Option<PathBuf>,
+}
+
+/// Carries out `rpi why`.
+pub(crate) fn why_command(args: &WhyArgs) -> CommandResult {
+    let mut recording = recorded_run::open(&args.recording)?;
+    let names = std::slice::from_ref(&args.flow);
+    let (compiled, _) = compiled_again(
+        &mut recording,
+        names,
+        args.program.as_deref(),
+        rpi_driver::lower_for_observation,
+    )?;
+    let nets = compiled.nets().iter();
+    let asked: Vec<(&AnalysedNet, String, PortRef)> =
+        nets.flat_map(|net| asked_ports(net, &args.flow)).collect();
+    let [(net, name, port)] = &asked[..] else {
+        return Err(not_one_value(&args.flow, &asked).into());
+    };
+    let (history, last_tick) = history(&recording, net, args.at)?;
+    let cycle = history
+        .last_cycle()
+        .ok_or_else(|| format!("{} has no cycle up to this time", net.name))?;
+    let answer = why(net, &history, *port, name, cycle);
+    let time = Times {
+        tick_ns: recording.tick_ns,
+        cycle,
+        tick: last_tick,
+    };
+    rpi_cli::print(text(&answer, &compiled, &time))?;
+    Ok(Exit::Success)
+}
+
+/// Returns the exported ports of a net that a name selects, with their names in the command.
+fn asked_ports<'n>(net: &'n AnalysedNet, flow: &str) -> Vec<(&'n AnalysedNet, String, PortRef)> {
+    let Some(inside) = flow.strip_prefix(&net.name).and_then(|rest| rest.strip_prefix('.')) else {
+        return Vec::new();
+    };
+    let is_asked = |key: &str| {
+        let rest = key.strip_prefix(inside);
+        rest.is_some_and(|rest| rest.is_empty() || rest.starts_with(['.', '[']))
+    };
+    let exports = net.exports.iter().filter(|export| is_asked(&export.key));
+    exports.map(|export| (net, export.key.clone(), export.source)).collect()
+}
+
+fn not_one_value(flow: &str, asked: &[(&AnalysedNet, String, PortRef)]) -> String {
+    let names = asked.iter().map(|(net, name, _)| format!("{}.{name}", net.name));
+    let names: Vec<String> = names.take(8).collect();
+    match names.is_empty() {
+        true => format!("`{flow}` is the name of a command; name a flow inside of it"),
+        false => format!("`{flow}` has several values; choose one: {}", names.join(", ")),
+    }
+}
+
+/// Replays a recording up to a time (ns since the start of the run) and returns the values of the last run of the command up to
+/// then, with the number of the tick of its last cycle.
+fn history(
+    recording: &Recording,
+    net: &AnalysedNet,
+    at: Option<u64>,
+) -> Result<(History, u64), Box<dyn Error>> {
+    let until = at.map_or(u64::MAX, |at| at / recording.tick_ns);
+    let mut found: Option<(CommandId, History, u64)> = None;
+    let report = replay_observed(recording, &mut |tick, id, command| {
+        let instance = command.instance();
+        if tick > until || instance.image().name != net.name {
+            return;
+        }
+        if found.as_ref().is_none_or(|(known, ..)| *known != id) {
+            found = Some((id, History::new(net, instance.image()), tick));
+        }
+        if let Some((_, history, last)) = &mut found {
+            history.add(instance);
+            *last = tick;
+        }
+    })?;
+    if let Some(difference) = report.difference {
+        return Err(format!("the replay differs from the recording: {difference}").into());
+    }
+    let (_, history, tick) = found.ok_or_else(|| format!("{} does not run up to this time", net.name))?;
+    Ok((history, tick))
+}
+
+/// Times of the cycles of a command.
+struct Times {
+    tick_ns: u64,
+    /// Number of a cycle, and of the tick in which it was.
+    cycle: u64,
+    tick: u64,
+}
+
+impl Times {
+    fn seconds(&self, cycle: u64) -> f64 {
+        let tick = self.tick.saturating_sub(self.cycle.saturating_sub(cycle));
+        tick as f64 * self.tick_ns as f64 * 1e-9
+    }
+}
+
+/// Returns an answer as lines, each indented below the one of which it is a cause.
+fn text(answer: &Why, compiled: &Compiled, times: &Times) -> String {
+    let mut children: Vec<Vec<usize>> = vec![Vec::new(); answer.steps.len()];
+    for (k, step) in answer.steps.iter().enumerate() {
+        if let Some(of) = step.of {
+            children[of].push(k);
+        }
+    }
+    let mut text = String::new();
+    let mut open = vec![(0, 0)];
+    while let Some((k, depth)) = open.pop() {
+        let step = &answer.steps[k];
+        let place = place(step, compiled);
+        let line = format!("{}{}", "  ".repeat(depth), step_text(step, times));
+        // Writing to a string cannot fail.
+        let _ = writeln!(text, "{line:<64} {place}");
+        open.extend(children[k].iter().rev().map(|child| (*child, depth + 1)));
+    }
+    if answer.is_incomplete {
+        text.push_str("further causes are left out\n");
+    }
+    text
+}
+
+fn step_text(step: &WhyStep, times: &Times) -> String {
+    let at = times.seconds(step.cycle);
+    match (step.value.as_str(), step.since < step.cycle) {
+        ("", _) => step.name.clone(),
+        (value, false) => format!("{} = {value} at {at:.3} s", step.name),
+        (value, true) => {
+            let since = times.seconds(step.since);
+            format!("{} = {value} from {since:.3} s to {at:.3} s", step.name)
+        }
+    }
+}
+
+fn place(step: &WhyStep, compiled: &Compiled) -> String {
+    if step.span.is_none() {
+        return String::new();
+    }
+    let line = compiled.sources.line_col(step.span).line;
+    format!("{}:{line}", compiled.sources.name(step.span.file))
+}
