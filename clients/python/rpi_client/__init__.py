@@ -12,12 +12,19 @@ Recordings need the extra ``mcap``; data frames the extras ``pandas`` or ``polar
     Recording("out.mcap").table("/device/arm").to_pandas()
 """
 
+from ._chunk import Chunk, Observation
+from ._chunk_program import ChunkOptions
+from ._chunk_report import ChunkReport, Delays
+from ._chunk_stream import ChunkStream
+from ._clock import ServerClock
 from ._core import Core, DeviceInfo, Identity, RpiError, connect
 from ._devices import Arm, Device, Gripper
 from ._drawing import Svg
 from ._flow_types import FlowType, InputValue, Value
+from ._frames import FrameTable
 from ._goal import Ending, Feedback, Goal, Overruns, Session
 from ._net import Net
+from ._policy import Policy
 from ._recording import Event, Recording, Topic
 from ._states import Cause, OnLoss, State, TaskState
 from ._table import Table
@@ -27,24 +34,33 @@ from ._values import Pose, Rotation, Twist, Vector, Wrench
 __all__ = [
     "Arm",
     "Cause",
+    "Chunk",
+    "ChunkOptions",
+    "ChunkReport",
+    "ChunkStream",
     "Core",
+    "Delays",
     "Device",
     "DeviceInfo",
     "Ending",
     "Event",
     "Feedback",
     "FlowType",
+    "FrameTable",
     "Goal",
     "Gripper",
     "Identity",
     "InputValue",
     "Net",
+    "Observation",
     "OnLoss",
     "Overruns",
+    "Policy",
     "Pose",
     "Recording",
     "Rotation",
     "RpiError",
+    "ServerClock",
     "Session",
     "State",
     "Step",

@@ -3,15 +3,19 @@
 from __future__ import annotations
 
 import math
-import re
 from collections.abc import Sequence
-from decimal import Decimal
 from typing import TYPE_CHECKING
 
+from ._chunk_program import ChunkOptions, chunk_program
+from ._chunk_stream import ChunkStream
+from ._policy import Backlog, Policy
+from ._text import identifier, real_text
 from ._values import Pose
 
 if TYPE_CHECKING:
+    from ._chunk_report import ChunkReport
     from ._core import DeviceInfo
+    from ._frames import FrameTable
     from ._goal import Goal, Session
 
 #: Modules and types of the library by the kind of the device.
@@ -44,7 +48,7 @@ class Device:
         moves nothing, and other commands may drive the device. Each has the name of its sensor in the feedback.
 
         ``ValueError`` for a name that is not one of a sensor, :class:`RpiError` for a sensor that the device does not have."""
-        names = [_identifier(sensor) for sensor in sensors]
+        names = [identifier(sensor) for sensor in sensors]
         exports = "".join(f"  {name} = {self.name}.{name};\n  export {name};\n" for name in names)
         goal = await self._load("Watch", f"{exports}  finish done when cancel;\n", feedback_period=feedback_period)
         await goal.start()
@@ -52,16 +56,20 @@ class Device:
 
     async def _load(self, name: str, body: str, given: str = "", feedback_period: float = 0.02) -> Goal:
         """Loads a command for this device. Its body is text of the language."""
-        module, kind = self._type()
+        module, kind = self.program_type()
         inputs = f" given ({given})" if given else ""
-        text = f"use {module};\ncommand {name} ({_identifier(self.name)}: {kind}){inputs}\nlet\n{body}tel\n"
+        text = f"use {module};\ncommand {name} ({identifier(self.name)}: {kind}){inputs}\nlet\n{body}tel\n"
         return await self._session.load(text, command=name, feedback_period=feedback_period)
 
-    def _type(self) -> tuple[str, str]:
-        """Returns the module and the type of the device in programs."""
+    def has_program_type(self) -> bool:
+        """Whether :meth:`program_type` knows the kind of the device."""
+        return self._joint_count is not None or self.kind in _TYPES
+
+    def program_type(self) -> tuple[str, str]:
+        """Returns the module and the type of the device in programs. ``ValueError`` for a kind without one."""
         if self._joint_count is not None:
             return "motion", f"Arm<<{self._joint_count}>>"
-        if self.kind not in _TYPES:
+        if not self.has_program_type():
             raise ValueError(f"{self.name}, of the kind {self.kind}, needs a program of its own")
         return _TYPES[self.kind]
 
@@ -88,10 +96,54 @@ class Arm(Device):
         units = (("rad/s", speed), ("rad/s^2", acceleration), ("rad/s^3", jerk))
         return await self._motion("PointToPoint", f"to: real[rad]^{self.joint_count}", list(to), *units)
 
+    async def chunk_program(self, options: ChunkOptions = ChunkOptions()) -> str:
+        """Returns the text of the program of :meth:`open_chunks`. A program made from it can have further devices, outputs and results; load it
+        and give its command to a :class:`ChunkStream`. ``ValueError`` for options that are out of range and for unknown devices."""
+        devices = await self._session.devices()
+        types = {name: device.program_type() for name, device in devices.items() if device.has_program_type()}
+        return chunk_program(self.name, self.joint_count, types, options)
+
+    async def open_chunks(
+        self, options: ChunkOptions = ChunkOptions(), *, feedback_period: float = 0.01, frames: FrameTable | None = None
+    ) -> ChunkStream:
+        """Loads a command that follows the chunks of a policy. Its ``async with`` block starts it, and stops the arm on its path at the end:
+
+            async with await arm.open_chunks(ChunkOptions(rows=30, period=0.04)) as stream:
+                await stream.send(rows)
+
+        ``feedback_period`` is the time between two observations (s). ``frames`` gets a row for each of them."""
+        text = await self.chunk_program(options)
+        goal = await self._session.load(text, command="FollowPolicy", feedback_period=feedback_period)
+        return ChunkStream(goal, frames)
+
+    async def chunks(
+        self,
+        policy: Policy,
+        options: ChunkOptions = ChunkOptions(),
+        *,
+        every: float = 0.0,
+        backlog: Backlog = "latest",
+        depth: int = 4,
+        feedback_period: float = 0.01,
+        frames: FrameTable | None = None,
+    ) -> ChunkReport:
+        """Lets a policy move the arm: it gets observations and returns chunks, which the arm takes over in motion. Returns when the policy has
+        ended and the arm rests, or when the command has ended otherwise; see ``ending`` of the report.
+
+        ``policy`` is a function or coroutine function of an :class:`Observation` that returns a :class:`Chunk`, its rows alone, or None to end;
+        a plain function runs in a thread. Or it is an async generator function that gets all observations and yields chunks, or an async
+        iterator of chunks. It gets the newest observation, at most once in ``every`` seconds.
+
+        ``backlog`` is what becomes of a chunk that waits because the server has not answered the one before: with ``"latest"`` a
+        newer one replaces it, with ``"queue"`` up to ``depth`` chunks wait in order, and then the policy waits. Otherwise as
+        :meth:`open_chunks`."""
+        async with await self.open_chunks(options, feedback_period=feedback_period, frames=frames) as stream:
+            return await stream.run(policy, every=every, backlog=backlog, depth=depth)
+
     async def _motion(self, fragment: str, given: str, to: Pose | list[float], *bounds: tuple[str, float]) -> Goal:
-        arm = _identifier(self.name)
+        arm = identifier(self.name)
         limits = zip(("speed", "acceleration", "jerk"), bounds, strict=True)
-        statics = "; ".join(f"{name}: {_positive(name, value)}[{unit}]" for name, (unit, value) in limits)
+        statics = "; ".join(f"{name}: {real_text(name, value)}[{unit}]" for name, (unit, value) in limits)
         body = (
             f"  way = {fragment}<<n: {self.joint_count}; {statics}>>({arm}, to);\n"
             f"  {arm}.joints = way.joints;\n"
@@ -112,7 +164,7 @@ class Gripper(Device):
     async def move(self, width: float) -> Goal:
         """Loads a motion of the fingers to an opening in metres, and sets it. Its results are ``at_width``, ``holding`` (an object stops
         the fingers), ``stopped`` (after a cancel) and ``gripper_error``; it exports ``opening`` (m) and ``force`` (N)."""
-        own = _identifier(self.name)
+        own = identifier(self.name)
         body = (
             f"  {own}.width = width;\n"
             f"  opening = {own}.opening;\n"
@@ -134,18 +186,3 @@ def make_device(session: Session, info: DeviceInfo) -> Device:
     if info.joint_count is not None:
         return Arm(session, info)
     return Gripper(session, info) if info.kind == "gripper" else Device(session, info)
-
-
-def _identifier(name: str) -> str:
-    """Returns a name that may stand in a program; ``ValueError`` otherwise."""
-    if not re.fullmatch(r"[A-Za-z_][A-Za-z0-9_]*", name, re.ASCII):
-        raise ValueError(f"{name!r} is not a name in programs")
-    return name
-
-
-def _positive(name: str, value: float) -> str:
-    """Returns the literal of a positive number."""
-    if not (math.isfinite(value) and value > 0):
-        raise ValueError(f"{name} is {value}, not a positive number")
-    text = format(Decimal(repr(float(value))), "f")
-    return text if "." in text else f"{text}.0"

@@ -183,7 +183,8 @@ class Goal:
         self._inputs = Ports(described.get("inputs", []), enums)
         self._exports = Ports(described.get("exports", []), enums)
         self._values: dict[str, Value] = {}
-        self._loaded_at = time.monotonic()
+        #: Time of ``time.monotonic()`` when it was loaded: that of ``time`` 0 in the feedback.
+        self.loaded_at = time.monotonic()
         self._readers: list[asyncio.Queue[Feedback | None]] = []
         self._ending: asyncio.Future[Ending] = asyncio.get_running_loop().create_future()
         self._latest = Feedback(State.READY)
@@ -286,7 +287,7 @@ class Goal:
             return
         state, jump = State(update.get("state", self._latest.state)), update.get("jump", self._latest.jump)
         self._values.update(self._exports.decode(update.get("values", {})))
-        self._latest = Feedback(state, self._exports.nest(self._values), jump, time.monotonic() - self._loaded_at)
+        self._latest = Feedback(state, self._exports.nest(self._values), jump, time.monotonic() - self.loaded_at)
         self._publish(self._latest)
         if "ending" in update and not self._ending.done():
             ending = read_record(Ending, update["ending"])

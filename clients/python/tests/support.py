@@ -44,6 +44,9 @@ kind = "light-barrier"
 class CellTest(unittest.IsolatedAsyncioTestCase):
     """A test with a folder that has a cell with an arm, a gripper and a light barrier."""
 
+    #: Port of the server on 127.0.0.1.
+    port: int
+
     def setUp(self) -> None:
         folder = tempfile.TemporaryDirectory()
         self.addCleanup(folder.cleanup)
@@ -55,11 +58,15 @@ class CellTest(unittest.IsolatedAsyncioTestCase):
         """Starts a server on the socket."""
         assert RPI is not None
         command = [RPI, "serve", "--cell", str(self.folder / "cell.toml"), "--listen", "127.0.0.1:0", "--socket", self.socket]
-        server = subprocess.Popen([*command, *options], stderr=subprocess.DEVNULL)
+        messages = self.folder / "serve.log"
+        with open(messages, "wb") as log:
+            server = subprocess.Popen([*command, *options], stderr=log)
         self.addCleanup(server.wait)
         self.addCleanup(server.terminate)
         for _ in range(500):
-            if os.path.exists(self.socket):
+            lines = messages.read_text(encoding="utf-8").splitlines(keepends=True)
+            if os.path.exists(self.socket) and lines and lines[0].endswith("\n"):
+                self.port = int(lines[0].rpartition(":")[2])
                 return server
             time.sleep(0.02)
         self.fail("the server does not listen")

@@ -141,15 +141,17 @@ fn the_wheel_works_in_a_fresh_environment() {
         .output();
     succeeded(&alone.unwrap());
 
-    let all = format!("{wheel}[ros2,numpy,pandas,polars,jupyter]");
+    let all = format!("{wheel}[ros2,numpy,pandas,polars,parquet,jupyter]");
     succeeded(&fresh.pip(&["install", &all, "mypy", "pandas-stubs"]));
     // Away from the sources, so that the tests import what is installed.
-    std::fs::create_dir(path("tests")).unwrap();
-    for file in rpi_testkit::files_below("clients/python/tests", &[".py"]) {
-        let copy = Path::new(&path("tests")).join(file.file_name().unwrap());
-        std::fs::copy(&file, copy).unwrap();
+    for part in ["tests", "examples"] {
+        std::fs::create_dir(path(part)).unwrap();
+        for file in rpi_testkit::files_below(&format!("clients/python/{part}"), &[".py"]) {
+            let copy = Path::new(&path(part)).join(file.file_name().unwrap());
+            std::fs::copy(&file, copy).unwrap();
+        }
     }
-    for checked in [&["tests"][..], &["-p", "rpi_client"]] {
+    for checked in [&["tests"][..], &["examples"], &["-p", "rpi_client"]] {
         let mut check = fresh.python();
         check.args(["-m", "mypy", "--strict"]).args(checked);
         succeeded(&check.current_dir(&folder).output().unwrap());
