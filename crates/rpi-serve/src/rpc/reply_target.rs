@@ -6,7 +6,7 @@ use std::sync::{Arc, Mutex, PoisonError};
 use serde_json::{Value, json};
 
 use crate::state::ApiError;
-use crate::transport::Outbox;
+use crate::transport::{Outbox, QueueSpace};
 
 /// Destination of the answer to a JSON-RPC request: a message of its own, or a part of the answer to a batch.
 #[derive(Clone)]
@@ -28,6 +28,8 @@ struct Batch {
     left: usize,
     /// JSON texts of the answers so far, separated by commas.
     answers: String,
+    /// Memory that is reserved for the answers.
+    space: QueueSpace,
     /// Maximum total length of the answers in bytes.
     most: usize,
     /// Whether the answers exceed the maximum length. Then the further answers are replaced by one error.
@@ -49,6 +51,7 @@ impl ReplyTarget {
         let batch = Batch {
             left: requests.len(),
             answers: String::new(),
+            space: out.space(),
             most,
             is_too_long: false,
             out: out.clone(),
@@ -139,18 +142,24 @@ impl Batch {
             return true;
         }
         if self.is_too_long {
-            let message = format!("the answers have more than {} bytes", self.most);
+            let message = format!(
+                "the answers have more than {} bytes, or more than the server has memory for",
+                self.most
+            );
             let error = json!({"code": -32004, "message": message});
             let answer = json!({"jsonrpc": "2.0", "id": null, "error": error});
             self.push(&answer.to_string());
         }
         let answers = std::mem::take(&mut self.answers);
-        self.out.queue(format!("[{answers}]"))
+        let space = std::mem::replace(&mut self.space, self.out.space());
+        self.out.queue_in(format!("[{answers}]"), space)
     }
 
     /// Adds an answer to the batch, unless the answers would exceed their maximum length.
     fn add(&mut self, answer: &str) {
         self.is_too_long |= self.answers.len() + answer.len() > self.most;
+        // The text is copied once, into brackets.
+        self.is_too_long |= !self.is_too_long && !self.space.grow(2 * answer.len());
         if !self.is_too_long {
             self.push(answer);
         }
