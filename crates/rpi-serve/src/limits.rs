@@ -86,7 +86,8 @@ impl Default for Limits {
 
 /// Maximum memory in bytes that clients may use, over all clients.
 ///
-/// The memory of a server with these limits grows by less than 300 MiB above its start, whatever clients send.
+/// The memory of a server with these limits grows by less than 300 MB above its start, whatever clients send, if the
+/// allocator returns freed memory to the system. `rpi serve` sets the allocator of glibc so.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub struct MemoryLimits {
     /// Maximum memory of commands and tasks, over all sessions.

@@ -120,8 +120,8 @@ impl RpcConnection {
             return answers.or_null_id().error(-32600, why, Value::Null);
         }
         if method.is_checked && !answers.has_valid_id() {
-            let why = "the id must be a text, a whole number or null";
-            return answers.with_null_id().error(-32600, why, Value::Null);
+            let why = "the id must be a text of at most 256 bytes, a whole number or null";
+            return answers.error(-32600, why, Value::Null);
         }
         let call = Call {
             params: request.get("params").unwrap_or(&Value::Null),

@@ -5,7 +5,8 @@ use std::net::{Shutdown, TcpStream};
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
 
-use tungstenite::protocol::frame::coding::CloseCode;
+use tungstenite::protocol::frame::FrameHeader;
+use tungstenite::protocol::frame::coding::{CloseCode, Data, OpCode};
 use tungstenite::protocol::{CloseFrame, Role, WebSocketConfig};
 use tungstenite::{Error, Message, WebSocket};
 
@@ -17,6 +18,8 @@ use super::outbox::{OutboxReceiver, QueuedMessage};
 pub(crate) const READ_TIMEOUT: Duration = Duration::from_millis(2);
 /// Length in bytes of the buffer for data from a client. Each connection has one.
 const READ_BUFFER: usize = 16 << 10;
+/// Length in bytes of an outgoing message from which on it is not copied to a buffer.
+const LARGE_MESSAGE: usize = 64 << 10;
 /// Time to wait for the answer to a received message before the connection reads again.
 const ANSWER_WAIT: Duration = Duration::from_millis(4);
 
@@ -106,7 +109,7 @@ fn too_long(most: usize) -> String {
 /// Runs the message loop over a websocket until one side closes it, and returns the reason. `rest` holds bytes that
 /// were already read from the stream.
 pub(crate) fn websocket(
-    stream: MeteredStream,
+    mut stream: MeteredStream,
     rest: Vec<u8>,
     (most, silence): MessageLimits,
     front: &mut dyn ConnectionHandler,
@@ -117,10 +120,10 @@ pub(crate) fn websocket(
         .read_buffer_size(READ_BUFFER)
         .max_message_size(Some(most))
         .max_frame_size(Some(most))
-        .max_write_buffer_size(most.saturating_mul(2).max(1 << 20))
         // Clients of the reference system do not mask their frames, against RFC 6455, section 5.3.
         .accept_unmasked_frames(true);
-    let mut socket = WebSocket::from_partially_read(stream, rest, Role::Server, Some(config));
+    stream.start_frames(rest, most);
+    let mut socket = WebSocket::from_raw_socket(stream, Role::Server, Some(config));
     let mut life = Liveness::new(silence);
     let end = loop {
         socket.get_mut().begin_turn();
@@ -140,6 +143,10 @@ pub(crate) fn websocket(
         }
         if let Some(end) = send_queued(out, || send(&mut socket, out, answer_expected)) {
             break end;
+        }
+        // After a large message, its buffer would remain until the end of the connection.
+        if answer_expected && socket.get_mut().take_large_frame() {
+            socket = WebSocket::from_raw_socket(socket.into_inner(), Role::Server, Some(config));
         }
     };
     let _ = socket.close(end.frame(most));
@@ -161,9 +168,8 @@ fn handle_read(
             stream.end_message(0).map_err(|_| CloseReason::NoMemory)?;
             Ok(true)
         }
-        Ok(Message::Ping(payload) | Message::Pong(payload)) => {
+        Ok(Message::Ping(_) | Message::Pong(_)) => {
             life.touch();
-            stream.end_control(payload.len());
             Ok(false)
         }
         Ok(Message::Binary(_)) => Err(CloseReason::Binary),
@@ -249,9 +255,28 @@ fn send(
     };
     for message in queued_messages(out, answer_expected) {
         let (text, _space) = message.into_parts();
-        socket.write(Message::text(text)).map_err(failed)?;
+        if text.len() <= LARGE_MESSAGE {
+            socket.write(Message::text(text)).map_err(failed)?;
+        } else {
+            socket.flush().map_err(failed)?;
+            write_frame(socket.get_mut(), &text)?;
+        }
     }
     socket.flush().map_err(failed)
+}
+
+/// Writes a text frame directly to the stream. The library would copy it to a buffer, which keeps its size until the end
+/// of the connection.
+fn write_frame(stream: &mut MeteredStream, text: &str) -> io::Result<()> {
+    let header = FrameHeader {
+        opcode: OpCode::Data(Data::Text),
+        ..FrameHeader::default()
+    };
+    let mut head = Vec::new();
+    let formatted = header.format(text.len() as u64, &mut head);
+    formatted.map_err(io::Error::other)?;
+    stream.write_all(&head)?;
+    stream.write_all(text.as_bytes())
 }
 
 /// Runs the message loop over a stream with one message per line until one side closes it, and returns the reason.

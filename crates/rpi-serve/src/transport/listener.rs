@@ -231,7 +231,10 @@ impl Acceptor {
             Ok(body) => {
                 let connections = ConnectionCounts::new(&self.places, &self.throttle);
                 let settings = (&self.limits, &connections);
-                Some(web::respond((&self.state, who), settings, head, &body))
+                let _turn = web::wait_for_page_turn(&self.state, &head.path);
+                let response = web::respond((&self.state, who), settings, head, &body);
+                let memory = self.outgoing.connection(who.peer, usize::MAX);
+                Some(response.reserve(memory))
             }
             Err(RequestError::Connection(_)) => None,
             Err(RequestError::Rejected(status, reason)) => {
@@ -277,7 +280,6 @@ impl Acceptor {
             "HTTP/1.1 101 Switching Protocols\r\nUpgrade: websocket\r\nConnection: Upgrade\r\n\
              Sec-WebSocket-Accept: {accept}\r\n\r\n"
         );
-        let agreed = agreed.and_then(|()| stream.end_message(0));
         if agreed.and_then(|()| stream.flush()).is_ok() {
             // No pings for DirectIO: clients of the reference system are not known to answer them.
             let silence = Some(self.limits.idle_timeout).filter(|_| is_rpc);

@@ -1,31 +1,36 @@
 //! Stream that limits the memory and the time of incomplete messages.
 
-use std::io::{self, ErrorKind, Read, Write};
+use std::io::{self, BufReader, Cursor, ErrorKind, Read, Write};
 use std::time::{Duration, Instant};
 
+use super::frame_position::FramePosition;
 use super::framing::Stream;
 use super::http::is_timeout;
 use super::memory_pool::ConnectionMemory;
 
 /// Memory of a received byte: buffers grow by doubling.
 const MEMORY_FACTOR: usize = 2;
-/// Minimum time between two control frames that are subtracted. Within a large message a client could otherwise send many
-/// of them, to hide a part of the message.
-const CONTROL_INTERVAL: Duration = Duration::from_millis(20);
-/// Maximum length of the head of a control frame in bytes (RFC 6455, section 5.2).
-const CONTROL_HEAD: usize = 6;
+/// Length in bytes of the buffer for short reads.
+const BUFFER: usize = 4 << 10;
+/// Length in bytes of a frame from which on the buffers of its reader are large.
+const LARGE_FRAME: u64 = 64 << 10;
 /// Time for which a client that sends without a pause is read, before the queued messages are sent to it.
 const TURN: Duration = Duration::from_millis(20);
 
 /// Stream from a client whose incomplete messages take memory of a pool, for a limited time.
 pub(crate) struct MeteredStream {
-    stream: Box<dyn Stream>,
+    stream: BufReader<Box<dyn Stream>>,
+    /// Bytes to read before those of the stream.
+    rest: Cursor<Vec<u8>>,
+    /// Position in the frames of a websocket, and the maximum length of a frame; `None` if the stream has no frames.
+    frames: Option<(FramePosition, u64)>,
+    /// Whether a large frame was read.
+    had_large_frame: bool,
     memory: ConnectionMemory,
     /// Maximum time for which an incomplete message may use memory of the pool.
     timeout: Duration,
     /// Time since which an incomplete message uses memory of the pool; `None` if none does.
     since: Option<Instant>,
-    latest_control: Option<Instant>,
     /// Beginning of the turn of the reader; `None` if its turn has no end.
     turn: Option<Instant>,
 }
@@ -38,11 +43,13 @@ impl MeteredStream {
         timeout: Duration,
     ) -> MeteredStream {
         MeteredStream {
-            stream,
+            stream: BufReader::with_capacity(BUFFER, stream),
+            rest: Cursor::default(),
+            frames: None,
+            had_large_frame: false,
             memory,
             timeout,
             since: None,
-            latest_control: None,
             turn: None,
         }
     }
@@ -59,13 +66,19 @@ impl MeteredStream {
         self.receive(kept)
     }
 
-    /// Subtracts a control frame with a payload of this length, which is no part of a message.
-    pub(super) fn end_control(&mut self, length: usize) {
-        let is_due = |latest: Instant| latest.elapsed() >= CONTROL_INTERVAL;
-        if self.latest_control.is_none_or(is_due) {
-            self.latest_control = Some(Instant::now());
-            self.memory.release(MEMORY_FACTOR * (CONTROL_HEAD + length));
-        }
+    /// Reads frames of a websocket from now on, which begin with the bytes `rest`. A frame has at most `most` bytes; the
+    /// reader rejects a longer one by its head. Each read ends at the end of a frame at the latest, so that a reader
+    /// between two frames has no bytes in its buffers.
+    pub(super) fn start_frames(&mut self, rest: Vec<u8>, most: usize) {
+        self.memory.release(usize::MAX);
+        self.since = None;
+        self.rest = Cursor::new(rest);
+        self.frames = Some((FramePosition::default(), most as u64));
+    }
+
+    /// Returns whether a large frame was read since the last call.
+    pub(super) fn take_large_frame(&mut self) -> bool {
+        std::mem::take(&mut self.had_large_frame)
     }
 
     /// Returns whether a message has used memory of the pool for too long.
@@ -88,6 +101,34 @@ impl MeteredStream {
         }
     }
 
+    fn read_some(&mut self, buffer: &mut [u8]) -> io::Result<usize> {
+        match self.rest.read(buffer)? {
+            0 => self.stream.read(buffer),
+            count => Ok(count),
+        }
+    }
+
+    /// Reads within a frame. The memory of a frame is reserved before its reader knows its length, because the reader
+    /// then makes all of it.
+    fn read_frame(
+        &mut self,
+        (mut position, most): (FramePosition, u64),
+        buffer: &mut [u8],
+    ) -> io::Result<usize> {
+        let end = position.most().min(buffer.len());
+        let read = self.read_some(&mut buffer[..end]);
+        let length = match read {
+            Ok(count) => position.advance(&buffer[..count]),
+            Err(_) => None,
+        };
+        self.frames = Some((position, most));
+        if let Some(length) = length.filter(|length| *length <= most) {
+            self.had_large_frame |= length > LARGE_FRAME;
+            self.receive(usize::try_from(length).unwrap_or(usize::MAX))?;
+        }
+        read
+    }
+
     fn receive(&mut self, bytes: usize) -> io::Result<()> {
         if !self.memory.reserve(bytes.saturating_mul(MEMORY_FACTOR)) {
             return Err(ErrorKind::QuotaExceeded.into());
@@ -104,7 +145,10 @@ impl Read for MeteredStream {
         if self.is_too_slow() || self.turn.is_some_and(|begin| begin.elapsed() > TURN) {
             return Err(ErrorKind::WouldBlock.into());
         }
-        let count = self.stream.read(buffer)?;
+        if let Some(frames) = self.frames.take() {
+            return self.read_frame(frames, buffer);
+        }
+        let count = self.read_some(buffer)?;
         self.receive(count)?;
         Ok(count)
     }
@@ -112,16 +156,16 @@ impl Read for MeteredStream {
 
 impl Write for MeteredStream {
     fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
-        self.stream.write(bytes)
+        self.stream.get_mut().write(bytes)
     }
 
     fn flush(&mut self) -> io::Result<()> {
-        self.stream.flush()
+        self.stream.get_mut().flush()
     }
 }
 
 impl Stream for MeteredStream {
     fn end_writing(&mut self) {
-        self.stream.end_writing();
+        self.stream.get_mut().end_writing();
     }
 }

@@ -3,6 +3,7 @@
 mod auth;
 mod auth_throttle;
 mod connection_counts;
+mod frame_position;
 pub(crate) mod framing;
 mod http;
 mod listener;
@@ -25,7 +26,7 @@ pub(crate) use framing::ConnectionHandler;
 #[cfg(feature = "entry-points")]
 pub(crate) use framing::Stream;
 pub(crate) use listener::Acceptor;
-pub(crate) use memory_pool::MemoryPool;
+pub(crate) use memory_pool::{ConnectionMemory, MemoryPool};
 #[cfg(feature = "entry-points")]
 pub(crate) use metered_stream::MeteredStream;
 pub(crate) use outbox::{Outbox, QueueSpace, SubscriptionSender};

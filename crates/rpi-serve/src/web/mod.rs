@@ -12,6 +12,7 @@ mod xml;
 use http::{Method, StatusCode};
 
 use crate::limits::Limits;
+use crate::message_size::{Turn, wait_for_answer_turn};
 use crate::role::{Identity, Right};
 use crate::state::SharedState;
 use crate::transport::{ConnectionCounts, Head};
@@ -46,6 +47,17 @@ pub(crate) fn respond(
         &Method::GET | &Method::HEAD => pages::page(shared, &parts),
         _ => not_allowed(),
     }
+}
+
+/// Waits until no other large page is made, if this path is a page with the text or the values of a large command. The
+/// structure of a net has a limit of its own.
+pub(crate) fn wait_for_page_turn(shared: &SharedState, path: &str) -> Option<Turn> {
+    let path = path.strip_prefix("/nets/")?;
+    let (name, "dio" | "debug") = path.split_once('/')? else {
+        return None;
+    };
+    let bytes = shared.lock().objects.commands.find(name).ok()?.1.bytes();
+    wait_for_answer_turn(bytes)
 }
 
 /// Parses the form in the body of a request; `None` if the body is not UTF-8 or has too many fields.

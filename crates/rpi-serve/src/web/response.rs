@@ -6,12 +6,22 @@ use http::StatusCode;
 use time::OffsetDateTime;
 use time::format_description::well_known::Rfc2822;
 
+use crate::transport::ConnectionMemory;
+
+/// Error for a page for which the server has no memory.
+const NO_MEMORY: &str = "the server has no memory for this page; try again";
+
+/// Maximum length in bytes of the part of a body that is sent in one write with the head. A client may stop reading after
+/// the head.
+const FIRST_WRITE: usize = 64 << 10;
+
 /// An HTTP response. The server closes the connection after sending it.
-#[derive(Debug)]
 pub(crate) struct Response {
     status: StatusCode,
     content_type: &'static str,
     body: String,
+    /// Memory that is reserved for the body; `None` for a short body.
+    _memory: Option<ConnectionMemory>,
 }
 
 impl Response {
@@ -29,6 +39,7 @@ impl Response {
             status: StatusCode::OK,
             content_type,
             body,
+            _memory: None,
         }
     }
 
@@ -38,6 +49,18 @@ impl Response {
             status,
             content_type: "text/plain; charset=utf-8",
             body: format!("{why}\n"),
+            _memory: None,
+        }
+    }
+
+    /// Reserves the memory of the body until the response is sent. Returns an error response if there is too little.
+    pub(crate) fn reserve(self, memory: ConnectionMemory) -> Response {
+        if !memory.reserve(self.body.len()) {
+            return Response::error(StatusCode::SERVICE_UNAVAILABLE, NO_MEMORY);
+        }
+        Response {
+            _memory: Some(memory),
+            ..self
         }
     }
 
@@ -46,12 +69,11 @@ impl Response {
     /// # Errors
     /// If the connection is broken, or the client does not read.
     pub(crate) fn send(&self, stream: &mut dyn Write, head_only: bool) -> io::Result<()> {
-        let mut text = self.head();
-        if !head_only {
-            text.push_str(&self.body);
-        }
-        // Head and body in one write: a client may stop reading after the head.
-        stream.write_all(text.as_bytes())?;
+        let body = if head_only { "" } else { self.body.as_str() };
+        let (beginning, rest) = body.as_bytes().split_at(body.len().min(FIRST_WRITE));
+        let first = [self.head().as_bytes(), beginning].concat();
+        stream.write_all(&first)?;
+        stream.write_all(rest)?;
         stream.flush()
     }
 

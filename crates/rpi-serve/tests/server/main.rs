@@ -12,6 +12,7 @@ mod json_rpc;
 mod limits;
 mod methods;
 mod metrics;
+mod multiplied;
 mod native;
 mod nets;
 mod operator;
