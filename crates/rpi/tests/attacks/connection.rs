@@ -77,3 +77,22 @@ pub(crate) fn frame(message: &[u8]) -> Vec<u8> {
     bytes.extend_from_slice(message);
     bytes
 }
+
+/// Connects at the Unix socket.
+pub(crate) fn line(target: &Target) -> Option<UnixStream> {
+    let stream = UnixStream::connect(&target.socket).ok()?;
+    let timeout = Some(Duration::from_secs(2));
+    stream.set_read_timeout(timeout).ok()?;
+    stream.set_write_timeout(timeout).ok()?;
+    Some(stream)
+}
+
+/// Connects over the network and sends bytes, as far as the server reads them.
+pub(crate) fn sent(target: &Target, bytes: &[u8]) -> Option<TcpStream> {
+    let mut stream = TcpStream::connect(target.address).ok()?;
+    let timeout = Some(Duration::from_secs(2));
+    stream.set_read_timeout(timeout).ok()?;
+    stream.set_write_timeout(timeout).ok()?;
+    let _ = stream.write_all(bytes);
+    Some(stream)
+}

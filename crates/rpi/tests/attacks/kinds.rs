@@ -1,13 +1,13 @@
-//! The attacks.
+//! The attacks: the table of all, and those that load nothing.
 
 use std::io::{Read, Write};
 use std::net::TcpStream;
-use std::os::unix::net::UnixStream;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::thread;
 use std::time::Duration;
 
-use crate::connection::{Target, frame, request, websocket};
+use crate::connection::{Target, frame, line, request, sent, websocket};
+use crate::loads;
 
 /// One round of an attack by the client with this number. An attack that lasts ends when the flag is set.
 pub(crate) type Attack = fn(&Target, u64, &AtomicBool);
@@ -32,38 +32,21 @@ pub(crate) const ATTACKS: &[(&str, Attack)] = &[
     ("clients that do not read", deaf_clients),
     ("pages", pages),
     ("evaluations", evaluations),
-    ("large texts", large_texts),
-    ("programs that double", doubling_programs),
-    ("large images", large_images),
+    ("large texts", loads::large_texts),
+    ("programs that double", loads::doubling_programs),
+    ("large images", loads::large_images),
+    ("subscriptions with long tags", long_tags),
+    ("requests with long ids", loads::long_ids),
+    ("successors of many results", loads::many_results),
+    ("literals of many elements", many_elements),
+    ("large pages", loads::large_pages),
+    ("large descriptions", loads::large_descriptions),
+    ("idle clients after a large message", idle_clients),
+    ("heads of large frames", frame_heads),
 ];
 
 /// Length of a message just within the limit.
-const LONG: usize = 15 << 20;
-
-fn until(over: &AtomicBool) {
-    while !over.load(Ordering::Relaxed) {
-        thread::sleep(Duration::from_millis(5));
-    }
-}
-
-/// Connects at the Unix socket.
-fn line(target: &Target) -> Option<UnixStream> {
-    let stream = UnixStream::connect(&target.socket).ok()?;
-    let timeout = Some(Duration::from_secs(2));
-    stream.set_read_timeout(timeout).ok()?;
-    stream.set_write_timeout(timeout).ok()?;
-    Some(stream)
-}
-
-/// Connects over the network and sends bytes, as far as the server reads them.
-fn sent(target: &Target, bytes: &[u8]) -> Option<TcpStream> {
-    let mut stream = TcpStream::connect(target.address).ok()?;
-    let timeout = Some(Duration::from_secs(2));
-    stream.set_read_timeout(timeout).ok()?;
-    stream.set_write_timeout(timeout).ok()?;
-    let _ = stream.write_all(bytes);
-    Some(stream)
-}
+pub(crate) const LONG: usize = 15 << 20;
 
 fn silent_connections(target: &Target, _: u64, over: &AtomicBool) {
     let held: Vec<_> = (0..20).map(|_| sent(target, b"G")).collect();
@@ -230,62 +213,59 @@ fn evaluations(target: &Target, _: u64, _: &AtomicBool) {
     answered(sent(target, format!("{head}{body}").as_bytes()));
 }
 
-/// Opens a session and loads a text several times, without waiting for the answers.
-fn load(target: &Target, text: &str, times: usize, over: &AtomicBool) {
-    let Some(mut stream) = line(target) else {
+/// Subscribes to the devices over DirectIO many times; each answer repeats the tag.
+fn long_tags(target: &Target, _: u64, over: &AtomicBool) {
+    let Some(mut stream) = websocket(target, "/DirectIO") else {
         return;
     };
-    let open =
-        "{\"jsonrpc\":\"2.0\",\"id\":1,\"method\":\"session.open\",\"params\":{\"name\":\"s\"}}";
-    let _ = writeln!(stream, "{open}");
-    let mut answer = [0; 1000];
-    let count = stream.read(&mut answer).unwrap_or(0);
-    let answer = String::from_utf8_lossy(&answer[..count]).into_owned();
-    let Some((_, rest)) = answer.split_once("\"session\":\"") else {
-        return;
-    };
-    let session = rest.split('"').next().unwrap_or_default();
-    let text = text.replace('"', "\\\"").replace('\n', "\\n");
-    let load = format!(
-        "{{\"jsonrpc\":\"2.0\",\"id\":2,\"method\":\"command.load\",\"params\":{{\"session\":\"{session}\",\"text\":\"{text}\"}}}}\n"
-    );
-    for _ in 0..times {
-        if stream.write_all(load.as_bytes()).is_err() || over.load(Ordering::Relaxed) {
+    let _ = stream.set_write_timeout(Some(Duration::from_secs(2)));
+    let request = frame(format!("{}=gde()", "t".repeat(1 << 22)).as_bytes());
+    let mut reader = stream.try_clone().ok();
+    for _ in 0..100 {
+        if over.load(Ordering::Relaxed) || stream.write_all(&request).is_err() {
             return;
         }
+        let _ = reader.as_mut().map(|reader| reader.read(&mut [0; 1 << 16]));
     }
-    for _ in 0..20 {
-        if over.load(Ordering::Relaxed) || stream.read(&mut [0; 1 << 16]).is_ok_and(|n| n == 0) {
-            return;
-        }
-    }
-    until(over);
 }
 
-fn large_texts(target: &Target, _: u64, over: &AtomicBool) {
-    let comment = "-- x\n".repeat(LONG / 6);
-    load(
+/// Adds a device with a list of many numbers.
+fn many_elements(target: &Target, _: u64, _: &AtomicBool) {
+    let list = "1,".repeat(LONG / 2);
+    ask_line(
         target,
-        &format!("{comment}command X () let finish a when true; tel"),
-        8,
-        over,
+        &format!(
+            "{{\"jsonrpc\":\"2.0\",\"id\":1,\"method\":\"device.add\",\"params\":{{\"name\":\"a\",\"type\":\"kuka_lwr_sim\",\"parameters\":{{\"link_lengths\":\"[{list}1]\"}}}}}}"
+        ),
     );
 }
 
-/// Loads a program whose values double with each line.
-fn doubling_programs(target: &Target, _: u64, over: &AtomicBool) {
-    let lines: String = (1..60)
-        .map(|n| format!("a{n} = (a{}, a{});\n", n - 1, n - 1))
-        .collect();
-    let text = format!("command X ()\nlet\na0 = (1.0, 1.0);\n{lines}finish a when true; tel");
-    load(target, &text, 2, over);
+/// Sends a large message as each of many clients, one after the other, which then stay connected.
+fn idle_clients(target: &Target, _: u64, over: &AtomicBool) {
+    let spaces = " ".repeat(LONG);
+    let message = frame(format!("{}{spaces}", request("ping")).as_bytes());
+    let mut held = Vec::new();
+    for _ in 0..15 {
+        let Some(mut stream) = websocket(target, "/rpc") else {
+            break;
+        };
+        let _ = stream.set_write_timeout(Some(Duration::from_secs(2)));
+        let _ = stream.set_read_timeout(Some(Duration::from_secs(2)));
+        let _ = stream.write_all(&message);
+        let _ = stream.read(&mut [0; 100]);
+        held.push(stream);
+        if over.load(Ordering::Relaxed) {
+            break;
+        }
+    }
 }
 
-/// Loads programs with large arrays, whose images are large.
-fn large_images(target: &Target, number: u64, over: &AtomicBool) {
-    let size = 50_000 + number;
-    let text = format!(
-        "command X ()\nvar line: real^{size};\nlet\nline = 1.5^{size} -> pre line;\nfinish a when line[0] > 2.0;\ntel"
-    );
-    load(target, &text, 30, over);
+/// Announces a large frame as each of many clients, and sends nothing more.
+fn frame_heads(target: &Target, _: u64, over: &AtomicBool) {
+    let head = [&[0x81, 127], &(LONG as u64).to_be_bytes()[..]].concat();
+    let mut held: Vec<_> = (0..15).filter_map(|_| websocket(target, "/rpc")).collect();
+    held.retain_mut(|stream| stream.write_all(&head).is_ok());
+    if !over.load(Ordering::Relaxed) {
+        thread::sleep(Duration::from_millis(200));
+    }
 }
