@@ -10,6 +10,7 @@
 //! | `net.rs` | importer |
 //! | `image.rs` | image loader |
 //! | `recording.rs` | recordings, traces and cell descriptions |
+//! | `server.rs` | messages of clients of the server, and compressed files |
 //! | `current_input.rs` | file with the current input, for crashes |
 //! | `budget.rs` | one second and 200 MB |
 //! | `seeds.rs` | initial corpus: every program of the project |
@@ -24,6 +25,7 @@ mod mutator;
 mod net;
 mod recording;
 mod seeds;
+mod server;
 mod texts;
 
 pub use budget::{CPU_BUDGET, MEMORY_BUDGET, run_within_budget};
@@ -74,6 +76,31 @@ pub const ENTRIES: &[Entry] = &[
         name: "cell",
         run: recording::parse_cell,
         seeds: seeds::cells,
+    },
+    Entry {
+        name: "http",
+        run: rpi_serve::entry_points::http,
+        seeds: server::requests,
+    },
+    Entry {
+        name: "lines",
+        run: rpi_serve::entry_points::lines,
+        seeds: server::lines,
+    },
+    Entry {
+        name: "websocket",
+        run: rpi_serve::entry_points::websocket,
+        seeds: server::frames,
+    },
+    Entry {
+        name: "directio",
+        run: rpi_serve::entry_points::directio,
+        seeds: server::messages,
+    },
+    Entry {
+        name: "gzip",
+        run: server::decompress,
+        seeds: server::compressed,
     },
     Entry {
         name: "parser",

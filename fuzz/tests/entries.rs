@@ -7,13 +7,16 @@ use std::time::{Duration, Instant};
 use rpi_fuzz::{ENTRIES, Entry, Mutator, Seed, run, saved_inputs};
 use rpi_testkit::{files_below, workspace_root};
 
-/// Number of mutated seeds per entry point, and the time limit for them. `RPI_MUTATIONS=100000` makes a longer run.
+/// Maximum number of mutated seeds per entry point, and the time limit for them. `RPI_SECONDS=3600` makes a run of this
+/// time instead, `RPI_ENTRY=http` one with a single entry point.
 const MUTATIONS: usize = 400;
 const TIME: Duration = Duration::from_secs(2);
 
 #[test]
 fn no_input_makes_an_entry_panic_hang_or_take_memory_without_end() {
-    for entry in ENTRIES {
+    let only = std::env::var("RPI_ENTRY").ok();
+    let is_wanted = |entry: &&Entry| only.as_ref().is_none_or(|only| entry.name == only);
+    for entry in ENTRIES.iter().filter(is_wanted) {
         let seeds = (entry.seeds)();
         assert!(seeds.len() > 10, "{}: too few seeds", entry.name);
         let kept = saved_inputs(entry.name);
@@ -25,17 +28,19 @@ fn no_input_makes_an_entry_panic_hang_or_take_memory_without_end() {
 }
 
 fn damaged(entry: &Entry, seeds: &[Seed]) {
-    let requested = std::env::var("RPI_MUTATIONS")
-        .ok()
-        .and_then(|n| n.parse().ok());
-    let (mut mutator, began) = (Mutator::new(1), Instant::now());
-    for k in 0..requested.unwrap_or(MUTATIONS) {
+    let seconds = std::env::var("RPI_SECONDS").ok();
+    let seconds = seconds.and_then(|seconds| seconds.parse().ok());
+    let (most, time) = match seconds {
+        Some(seconds) => (usize::MAX, Duration::from_secs(seconds)),
+        None => (MUTATIONS, TIME),
+    };
+    let (mut mutator, began, mut count) = (Mutator::new(1), Instant::now(), 0);
+    while count < most && began.elapsed() < time {
         let input = mutator.next(seeds);
-        stands(entry, &format!("mutation {k}"), &input);
-        if requested.is_none() && began.elapsed() > TIME {
-            break;
-        }
+        stands(entry, &format!("mutation {count}"), &input);
+        count += 1;
     }
+    println!("{}: {count} mutations", entry.name);
 }
 
 fn stands(entry: &Entry, name: &str, input: &[u8]) {

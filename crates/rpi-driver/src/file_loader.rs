@@ -16,6 +16,6 @@ impl FileLoader for DiskLoader {
     fn text(&self, path: &Path) -> Option<String> {
         // Pipes and devices are rejected, because reading them may block for ever.
         let is_file = std::fs::metadata(path).is_ok_and(|meta| meta.is_file());
-        is_file.then(|| std::fs::read_to_string(path).ok())?
+        is_file.then(|| rpi_files::read_text(path, rpi_files::MAX_PROGRAM).ok())?
     }
 }

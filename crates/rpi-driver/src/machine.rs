@@ -69,7 +69,8 @@ impl std::error::Error for MachineError {}
 /// If the file cannot be read or is invalid.
 pub fn read_machine(path: &Path) -> Result<MachineProfile, MachineError> {
     let name = path.display();
-    let text = std::fs::read_to_string(path).map_err(|e| MachineError(format!("{name}: {e}")))?;
+    let text = rpi_files::read_text(path, rpi_files::MAX_DESCRIPTION);
+    let text = text.map_err(|e| MachineError(format!("{name}: {e}")))?;
     parse(&text).map_err(|why| MachineError(format!("{name}: {why}: {FORMAT_HELP}")))
 }
 

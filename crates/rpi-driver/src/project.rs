@@ -116,7 +116,7 @@ fn without_dot(path: &Path) -> PathBuf {
 }
 
 fn manifest(path: &Path) -> Result<Manifest, InputError> {
-    match std::fs::read_to_string(path) {
+    match rpi_files::read_text(path, rpi_files::MAX_DESCRIPTION) {
         Ok(text) => toml::from_str(&text)
             .map_err(|error| InputError::new(path, error.to_string().trim_end())),
         Err(_) => Ok(Manifest::default()),

@@ -49,20 +49,25 @@ impl std::error::Error for LiteralError {}
 /// # Errors
 /// Returns an error if the text is not a literal of this type.
 pub fn parse_scalar(text: &str, scalar: Scalar) -> Result<Option<Value>, LiteralError> {
-    let tree = tree::parse(text)?;
+    let tree = tree::parse(text, 1)?;
     Ok(element(&tree, scalar)?.map(|cells| Value::Slots {
         ty: Type::Scalar(scalar),
         cells,
     }))
 }
 
-/// Parses the literal of an array of any length. An element `null` becomes `None`. Returns `None` for `null` in place
+/// Parses the literal of an array with about `most` elements or fewer: a text with far more is rejected before it takes
+/// memory, and the caller compares the exact number. An element `null` becomes `None`. Returns `None` for `null` in place
 /// of the array.
 ///
 /// # Errors
-/// Returns an error if the text is not an array of this element type.
-pub fn parse_array(text: &str, scalar: Scalar) -> Result<Option<Vec<Option<Value>>>, LiteralError> {
-    let tree = tree::parse(text)?;
+/// Returns an error if the text is not an array of this element type, or has too many elements.
+pub fn parse_array(
+    text: &str,
+    scalar: Scalar,
+    most: usize,
+) -> Result<Option<Vec<Option<Value>>>, LiteralError> {
+    let tree = tree::parse(text, most)?;
     if tree.is_null() {
         return Ok(None);
     }
@@ -88,7 +93,7 @@ pub fn parse(text: &str, ty: Type) -> Result<Option<Value>, LiteralError> {
         Type::Array(scalar, len) => (scalar, len),
         Type::Matrix(..) => (Scalar::Real, ty.slots()),
     };
-    let Some(elements) = parse_array(text, scalar)? else {
+    let Some(elements) = parse_array(text, scalar, len as usize)? else {
         return Ok(None);
     };
     if elements.len() != len as usize {

@@ -94,7 +94,9 @@ fn fields_may_come_in_any_order() {
 fn null_is_absence() {
     assert_eq!(parse_scalar("null", Scalar::Pose), Ok(None));
     assert_eq!(parse("[1.0,null]", Type::Array(Scalar::Real, 2)), Ok(None));
-    let elements = parse_array("[true,null]", Scalar::Bool).unwrap().unwrap();
+    let elements = parse_array("[true,null]", Scalar::Bool, 2)
+        .unwrap()
+        .unwrap();
     assert_eq!(elements, [Some(Value::bool(true)), None]);
 }
 
@@ -105,7 +107,30 @@ fn arrays_have_the_length_of_their_type() {
         .unwrap();
     assert_eq!(value.slots(), [1, 2, 3]);
     assert!(parse("[1,2]", Type::Array(Scalar::Int, 3)).is_err());
-    assert_eq!(parse_array("[]", Scalar::Int).unwrap().unwrap(), []);
+    assert_eq!(parse_array("[]", Scalar::Int, 0).unwrap().unwrap(), []);
+}
+
+#[test]
+fn an_array_of_any_type_may_be_as_long_as_its_type_says() {
+    for (scalar, texts) in SAME {
+        let text = format!("[{}]", vec![texts[0]; 100].join(","));
+        let value = parse(&text, Type::Array(*scalar, 100)).unwrap();
+        assert!(value.is_some(), "{text}");
+    }
+}
+
+/// The tree of a text takes many times the memory of the text, so it is not made for more elements than expected.
+#[test]
+fn a_text_with_far_too_many_elements_is_not_read_to_its_end() {
+    let text = format!("[{}1]", "1,".repeat(1_000_000));
+    for error in [
+        parse(&text, Type::Array(Scalar::Real, 100)).unwrap_err(),
+        parse_scalar(&text, Scalar::Real).unwrap_err(),
+        parse_array(&text, Scalar::Real, 100).unwrap_err(),
+    ] {
+        assert_eq!(error.message, "too many elements");
+        assert!(error.offset < 2000, "{}", error.offset);
+    }
 }
 
 #[test]
@@ -135,7 +160,7 @@ fn no_prefix_of_a_value_makes_it_panic() {
         for text in texts.iter().chain(["[1,{ä:2}]", "{a", "9.é"].iter()) {
             for end in (0..=text.len()).filter(|&k| text.is_char_boundary(k)) {
                 let _ = parse_scalar(&text[..end], *scalar);
-                let _ = parse_array(&text[..end], *scalar);
+                let _ = parse_array(&text[..end], *scalar, end);
             }
         }
     }

@@ -6,6 +6,9 @@ use super::LiteralError;
 /// stack.
 const MAX_DEPTH: usize = 8;
 
+/// Maximum number of literals within the literal of one element, including itself. A pose has the most: nine.
+const MAX_PARTS: usize = 9;
+
 /// Syntax tree of a literal: a single word, fields in braces, or elements in brackets. The first field of each variant
 /// is the byte offset of the literal in the text.
 pub(super) enum LiteralTree<'a> {
@@ -69,9 +72,14 @@ impl<'a> LiteralTree<'a> {
     }
 }
 
-/// Parses a text that must consist of exactly one literal.
-pub(super) fn parse(text: &str) -> Result<LiteralTree<'_>, LiteralError> {
-    let mut reader = Parser { text, offset: 0 };
+/// Parses a text that must consist of exactly one literal, with at most `most` elements. The tree of a longer text can
+/// take twenty times its memory.
+pub(super) fn parse(text: &str, most: usize) -> Result<LiteralTree<'_>, LiteralError> {
+    let mut reader = Parser {
+        text,
+        offset: 0,
+        left: most.saturating_add(1).saturating_mul(MAX_PARTS),
+    };
     let tree = reader.value(0)?;
     reader.space();
     match reader.rest().is_empty() {
@@ -86,6 +94,8 @@ pub(super) fn parse(text: &str) -> Result<LiteralTree<'_>, LiteralError> {
 struct Parser<'a> {
     text: &'a str,
     offset: usize,
+    /// Number of literals that may follow, counting nested ones.
+    left: usize,
 }
 
 impl<'a> Parser<'a> {
@@ -117,6 +127,8 @@ impl<'a> Parser<'a> {
         if depth > MAX_DEPTH {
             return Err(LiteralError::new(at, "nested too deeply"));
         }
+        let left = self.left.checked_sub(1);
+        self.left = left.ok_or_else(|| LiteralError::new(at, "too many elements"))?;
         if self.eat('{') {
             return Ok(LiteralTree::Object(at, self.list('}', |r| r.field(depth))?));
         }

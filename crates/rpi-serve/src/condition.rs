@@ -66,7 +66,12 @@ impl fmt::Display for ConditionError {
                 write!(f, "expected {what} at byte {offset} of the condition")
             }
             ConditionError::TooDeep => f.write_str("the condition is nested too deeply"),
-            ConditionError::TooLong => f.write_str("the condition is too long"),
+            ConditionError::TooLong => {
+                write!(
+                    f,
+                    "the condition is too long: it has at most {MAX_FACTS} facts"
+                )
+            }
         }
     }
 }
@@ -79,6 +84,21 @@ const MAX_DEPTH: usize = 32;
 const MAX_FACTS: usize = 256;
 
 impl Expr {
+    /// Returns the condition that any of these facts about a command holds; `None` without a fact.
+    ///
+    /// # Errors
+    /// If there are too many facts: functions on conditions are recursive.
+    pub(crate) fn any(
+        command: &str,
+        facts: impl ExactSizeIterator<Item = FactExpr>,
+    ) -> Result<Option<Expr>, ConditionError> {
+        if facts.len() > MAX_FACTS {
+            return Err(ConditionError::TooLong);
+        }
+        let facts = facts.map(|fact| Expr::Fact(command.to_owned(), fact));
+        Ok(facts.reduce(|a, b| Expr::Or(a.into(), b.into())))
+    }
+
     /// Returns the number of facts in the condition; the constants true and false count as one each.
     pub(crate) fn fact_count(&self) -> usize {
         match self {

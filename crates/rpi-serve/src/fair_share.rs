@@ -99,14 +99,19 @@ impl Usage {
         taken
     }
 
-    /// Returns the usage of a resource that is shared by peer only and not by client: the amounts held by all peers and
-    /// by one peer.
-    pub(crate) fn for_peer(all: usize, of_peer: usize) -> Usage {
+    /// Creates the usage of a resource from the amounts held by all clients, by one peer, and by one of its clients.
+    pub(crate) fn new(all: usize, of_peer: usize, of_client: usize) -> Usage {
         Usage {
             all,
             of_peer,
-            of_client: 0,
+            of_client,
         }
+    }
+
+    /// Returns the usage of a resource that is shared by peer only and not by client: the amounts held by all peers and
+    /// by one peer.
+    pub(crate) fn for_peer(all: usize, of_peer: usize) -> Usage {
+        Usage::new(all, of_peer, 0)
     }
 
     /// Returns an error if `more` of the resource would exceed the total `limit`, the share of the client or that of

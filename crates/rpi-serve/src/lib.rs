@@ -17,8 +17,11 @@ mod compile;
 mod condition;
 mod cycle;
 mod dio;
+#[cfg(feature = "entry-points")]
+pub mod entry_points;
 mod fair_share;
 mod limits;
+mod message_size;
 mod open_error;
 mod peer;
 mod role;
@@ -34,7 +37,7 @@ pub use client_token::{ClientToken, SecretFileError, read_tokens};
 #[cfg(unix)]
 pub use compile::run_compile_worker;
 pub use compile::{CompilerSettings, WorkerSettings};
-pub use limits::{Limits, OnLoss, PlaceLimits};
+pub use limits::{Limits, MemoryLimits, OnLoss, PlaceLimits};
 pub use open_error::{IdentityError, OpenError, ResetError};
 pub use role::Role;
 pub use rpc::methods;

@@ -30,9 +30,9 @@ pub struct Limits {
     pub devices: usize,
     /// Maximum size of one message of a client, in bytes.
     pub message_bytes: usize,
-    /// Maximum memory of commands and tasks in bytes, over all sessions.
-    pub memory_bytes: usize,
-    /// Maximum number of values in one JSON message, counting nested values. A value takes more memory than its text.
+    /// Maximum memory that clients may use, over all clients.
+    pub memory: MemoryLimits,
+    /// Maximum number of values in one message, counting nested values. A value takes more memory than its text.
     pub json_values: usize,
     /// Maximum number of requests that a client may send in one JSON-RPC batch.
     pub batch_requests: usize,
@@ -69,7 +69,7 @@ impl Default for Limits {
             values_per_request: 4096,
             devices: 64,
             message_bytes: 16 << 20,
-            memory_bytes: 512 << 20,
+            memory: MemoryLimits::default(),
             json_values: 1 << 17,
             batch_requests: 1024,
             queued_messages: 4096,
@@ -80,6 +80,31 @@ impl Default for Limits {
             request_timeout: Duration::from_secs(5),
             wrong_token_delay: Duration::from_secs(1),
             idle_timeout: Duration::from_secs(30),
+        }
+    }
+}
+
+/// Maximum memory in bytes that clients may use, over all clients.
+///
+/// The memory of a server with these limits grows by less than 300 MB above its start, whatever clients send, if the
+/// allocator returns freed memory to the system. `rpi serve` sets the allocator of glibc so.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub struct MemoryLimits {
+    /// Maximum memory of commands and tasks, over all sessions.
+    pub commands: usize,
+    /// Maximum memory of messages that are being received. A message takes twice its length. A connection with less than
+    /// 128 KiB does not count.
+    pub incoming: usize,
+    /// Maximum memory of messages that are queued for clients. A connection with less than 128 KiB does not count.
+    pub outgoing: usize,
+}
+
+impl Default for MemoryLimits {
+    fn default() -> MemoryLimits {
+        MemoryLimits {
+            commands: 128 << 20,
+            incoming: 80 << 20,
+            outgoing: 48 << 20,
         }
     }
 }

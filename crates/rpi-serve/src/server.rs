@@ -21,7 +21,7 @@ use crate::cycle::CycleThread;
 use crate::open_error::{OpenError, ResetError, bind_error};
 use crate::settings::{Settings, SocketSettings};
 use crate::state::{SharedState, StopOrigin, bank};
-use crate::transport::{Acceptor, AuthPolicy, AuthThrottle, Places};
+use crate::transport::{Acceptor, AuthPolicy, AuthThrottle, MemoryPool, Places};
 
 /// Interval at which the server state is updated from the events that the cycle thread reports.
 const UPDATE_INTERVAL: Duration = Duration::from_millis(1);
@@ -110,6 +110,8 @@ impl Server {
             closing: Arc::clone(&server.closing),
             places: Places::new(settings.limits),
             throttle: AuthThrottle::default(),
+            incoming: MemoryPool::new(settings.limits.memory.incoming),
+            outgoing: MemoryPool::new(settings.limits.memory.outgoing),
         };
         for socket in &settings.sockets {
             server.listen_at(socket, acceptor.clone())?;
@@ -271,9 +273,9 @@ impl Server {
     }
 
     /// Returns a handle of the server state, which all connections share.
-    #[cfg(test)]
-    pub(crate) fn shared(&self) -> SharedState {
-        self.state.clone().unwrap()
+    #[cfg(any(test, feature = "entry-points"))]
+    pub(crate) fn shared(&self) -> Option<SharedState> {
+        self.state.clone()
     }
 
     /// Returns the address and port at which the server listens.

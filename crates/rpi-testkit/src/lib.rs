@@ -15,7 +15,7 @@ mod workspace;
 pub use alloc::{AllocDisabler, TrappedAllocator, alloc_allowed, no_alloc};
 pub use expected_output::{compare_tool_output, compare_with_expected};
 pub use external_data::{external_data_dir, external_data_path, report_skip};
-pub use gzip::read_maybe_gz;
+pub use gzip::{gzip, read_maybe_gz};
 pub use lsp::LspClient;
 pub use nets::net_of_additions;
 pub use process::{resident_memory_kb, run_test_in_process};

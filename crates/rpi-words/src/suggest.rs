@@ -1,9 +1,16 @@
 //! "Did you mean" suggestions: the valid name nearest to an invalid one.
 
+/// Maximum length of a name in bytes for which a suggestion is searched: a longer one is no mistyped name, and would take
+/// time and memory.
+const MAX_NAME: usize = 1024;
+
 /// Returns the candidate that is most similar to `name`, for a "did you mean" message; `None` if no candidate is
 /// similar. The distance of a candidate is at most one edit per three characters of `name` (two edits for five
 /// characters), and less than the length of `name`. Equal distances are decided alphabetically.
 pub fn suggest<'a>(name: &str, candidates: impl Iterator<Item = &'a str>) -> Option<String> {
+    if name.len() > MAX_NAME {
+        return None;
+    }
     let mut wanted = NameMatcher::new(name);
     let mut best: Option<(usize, &str)> = None;
     for candidate in candidates.filter(|candidate| *candidate != name) {

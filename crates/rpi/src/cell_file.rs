@@ -15,7 +15,8 @@ use crate::exit::{CommandResult, Exit};
 /// Returns an error with the name of the file if it cannot be read or is invalid.
 pub(crate) fn read(path: &Path) -> Result<(Cell, String), Box<dyn Error>> {
     let name = path.display().to_string();
-    let bytes = std::fs::read(path).map_err(|e| format!("{name}: {e}"))?;
+    let bytes = rpi_files::read_unchanged(path, rpi_files::MAX_DESCRIPTION);
+    let bytes = bytes.map_err(|e| format!("{name}: {e}"))?;
     let text = rpi_driver::utf8(path, &bytes).map_err(|e| e.to_string())?;
     let cell = Cell::parse_with(&name, text, &FolderFiles::beside(path));
     let cell = cell.map_err(|errors| format!("the cell is invalid\n{errors}"))?;

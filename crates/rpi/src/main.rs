@@ -4,6 +4,7 @@
 //! Exit status: 0 for success, 1 for a command's error or a differing trace, 2 for invalid input, 3 for a fault while
 //! running, 4 for a crash of the control core.
 
+mod allocator;
 mod args;
 mod budget_args;
 mod cell_file;
@@ -47,6 +48,9 @@ use robot_args::CellCommand;
 
 fn main() -> ExitCode {
     let cli = Cli::parse();
+    if matches!(cli.task, CliCommand::Serve(_)) {
+        allocator::return_memory_early();
+    }
     let done = match cli.task {
         CliCommand::Run(args) if args.node.is_present() => node::run(&args),
         CliCommand::Run(args) if args.guard.is_guard() => {

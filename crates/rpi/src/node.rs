@@ -158,7 +158,7 @@ impl NodeSession {
                 File::open(path).map_err(|e| rpi_driver::read_error(path, &e))?,
             )),
         };
-        let mut lines = source.lines();
+        let mut lines = rpi_files::lines(source, rpi_files::MAX_LINE);
         let first = lines.next().transpose();
         let first = first.map_err(|e| rpi_driver::read_error(path, &e))?;
         let first = first.unwrap_or_default();
@@ -193,7 +193,7 @@ impl NodeSession {
             ),
         }
         let mut given: Option<ColumnValues> = columns.is_empty().then(Vec::new);
-        for (number, line) in (1..).zip(stdin().lock().lines()) {
+        for (number, line) in (1..).zip(rpi_files::lines(stdin().lock(), rpi_files::MAX_LINE)) {
             let line = line.map_err(|e| format!("line {number} of the input: {e}"))?;
             if !line.trim().is_empty() || reader.accepts_empty_lines() {
                 match reader.row(number, &line) {

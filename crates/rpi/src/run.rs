@@ -263,7 +263,7 @@ fn mcap_recording(
     let name = args.program.file_name().unwrap_or_default();
     let origin = RunSources {
         program: name.to_string_lossy().into_owned(),
-        program_bytes: std::fs::read(&args.program)?,
+        program_bytes: rpi_files::read_unchanged(&args.program, rpi_files::MAX_PROGRAM)?,
         cell,
     };
     let first = create(path, args)?;

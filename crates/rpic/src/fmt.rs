@@ -1,6 +1,5 @@
 //! `rpic fmt`: formats programs.
 
-use std::io::Read as _;
 use std::path::Path;
 
 use rpi_diag::{Format, SourceMap};
@@ -50,8 +49,7 @@ fn check_plain_utf8(file: &Path, text: &str) -> Result<(), String> {
 }
 
 fn stdin(name: &str) -> CommandResult {
-    let mut text = String::new();
-    std::io::stdin().read_to_string(&mut text)?;
+    let text = rpi_files::text_from(std::io::stdin().lock(), rpi_files::MAX_PROGRAM)?;
     match format_or_report(name, &text)? {
         Some(new) => write_output(None, new.as_bytes()).map(|()| Exit::Success),
         None => Ok(Exit::ErrorsReported),

@@ -8,6 +8,7 @@ mod compile;
 mod crate_graph;
 mod cycle;
 mod docs;
+mod file_reads;
 mod first_mistakes;
 mod fixes;
 mod forbidden_text;

@@ -15,7 +15,8 @@ pub(super) fn parse(text: &str, ty: ParamType) -> Result<Value, LiteralError> {
             rpi_literal::parse_scalar(text, scalar)?.ok_or_else(absent_error)
         }
         ParamType::Array(scalar) => {
-            let elements = rpi_literal::parse_array(restore_bracket(text), scalar)?
+            // The importer bounds the length of the whole text.
+            let elements = rpi_literal::parse_array(restore_bracket(text), scalar, text.len())?
                 .ok_or_else(absent_error)?;
             let elements: Option<Vec<Value>> = elements.into_iter().collect();
             let elements = elements.ok_or_else(absent_error)?;

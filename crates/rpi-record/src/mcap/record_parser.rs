@@ -15,20 +15,24 @@ struct TextLayout {
     texts: usize,
     /// Whether a map from texts to texts follows.
     has_map: bool,
+    /// Minimum number of bytes after them, which the library slices without a check.
+    after: usize,
 }
 
 /// Returns the layout of records with this opcode; `None` for kinds of records that a recording does not need.
 fn layout(opcode: u8) -> Option<TextLayout> {
-    let layout = |before, texts, has_map| TextLayout {
+    let layout = |before, texts, has_map, after| TextLayout {
         before,
         texts,
         has_map,
+        after,
     };
     match opcode {
-        op::CHANNEL => Some(layout(4, 2, true)),
-        op::MESSAGE => Some(layout(0, 0, false)),
-        op::ATTACHMENT => Some(layout(16, 2, false)),
-        op::METADATA => Some(layout(0, 1, true)),
+        op::CHANNEL => Some(layout(4, 2, true, 0)),
+        op::MESSAGE => Some(layout(0, 0, false, 0)),
+        // The length of the data and the checksum.
+        op::ATTACHMENT => Some(layout(16, 2, false, 8 + 4)),
+        op::METADATA => Some(layout(0, 1, true, 0)),
         _ => None,
     }
 }
@@ -57,7 +61,8 @@ impl TextLayout {
             return false;
         };
         let texts = (0..self.texts).all(|_| skip_text(&mut rest).is_some());
-        texts && (!self.has_map || skip_map(&mut rest).is_some())
+        let is_complete = texts && (!self.has_map || skip_map(&mut rest).is_some());
+        is_complete && rest.len() >= self.after
     }
 }
 

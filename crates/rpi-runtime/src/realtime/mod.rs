@@ -15,7 +15,7 @@ pub use clock::TimeBase;
 pub(crate) use command_timer::CommandTimer;
 pub use cycle_metrics::{BUCKET_BOUNDS_NS, CycleMetrics, DurationHistogram};
 pub use overrun::{OverrunPolicy, OverrunStats, ParseOverrunPolicyError};
-pub use resources::{ResourceGrant, SchedulingOptions, request_resources};
+pub use resources::{ResourceGrant, SchedulingOptions, request_resources, use_lowest_priority};
 pub use rpi_core::{CommandOverrunPolicy, OverrunThreshold};
 pub use syscall_filter::{install_syscall_filter, is_syscall_filter_installed, sleep_forever};
 pub use tick_timer::TickTimer;

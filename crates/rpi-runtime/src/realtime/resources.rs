@@ -1,13 +1,14 @@
 //! Priority, locked memory and CPU affinity of the tick thread.
 
 use std::fmt;
+use std::io;
 
 use rustix::mm::{MlockAllFlags, mlockall};
 use rustix::process::{Resource, geteuid, getrlimit};
 use rustix::thread::{CpuSet, sched_getaffinity, sched_setaffinity};
 use thread_priority::{
-    RealtimeThreadSchedulePolicy, ThreadPriority, ThreadPriorityValue, ThreadSchedulePolicy,
-    set_thread_priority_and_policy, thread_native_id,
+    Error, NormalThreadSchedulePolicy, RealtimeThreadSchedulePolicy, ThreadPriority,
+    ThreadPriorityValue, ThreadSchedulePolicy, set_thread_priority_and_policy, thread_native_id,
 };
 
 /// Priority and CPU core to request from the operating system for a thread.
@@ -56,6 +57,20 @@ pub fn request_resources(wanted: SchedulingOptions) -> Vec<ResourceGrant> {
     let mut grants = vec![lock_memory(), set_priority(wanted.priority)];
     grants.extend(pin_to_core(wanted.core));
     grants
+}
+
+/// Gives the calling thread the lowest priority of ordinary threads (`SCHED_OTHER`, nice 19), whatever it has now: a new
+/// process inherits the real-time scheduling of the thread that starts it, and then competes with the cycle.
+///
+/// # Errors
+/// If the operating system refuses the change.
+pub fn use_lowest_priority() -> io::Result<()> {
+    let policy = ThreadSchedulePolicy::Normal(NormalThreadSchedulePolicy::Other);
+    let set = set_thread_priority_and_policy(thread_native_id(), ThreadPriority::Min, policy);
+    set.map_err(|why| match why {
+        Error::OS(code) => io::Error::from_raw_os_error(code),
+        other => io::Error::other(format!("{other:?}")),
+    })
 }
 
 fn lock_memory() -> ResourceGrant {

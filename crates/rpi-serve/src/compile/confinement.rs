@@ -3,12 +3,11 @@
 
 use std::io;
 
-use rustix::process::{Pid, Resource, Rlimit, getppid, setpriority_process, setrlimit};
+use rpi_runtime::realtime::use_lowest_priority;
+use rustix::process::{Pid, Resource, Rlimit, getppid, setrlimit};
 
 use super::frame::FrameLimits;
 
-/// Lowest priority of ordinary threads: a compilation uses the time that the server leaves.
-const NICE: i32 = 19;
 /// Number of descriptors of a worker: its three standard streams. So it opens no file and no socket.
 const DESCRIPTORS: u64 = 3;
 
@@ -18,7 +17,8 @@ const DESCRIPTORS: u64 = 3;
 /// If the system refuses a limit, or the server has ended.
 pub(super) fn apply(limits: FrameLimits) -> io::Result<()> {
     end_with(limits.server)?;
-    setpriority_process(None, NICE)?;
+    // A compilation uses the time that the server leaves.
+    use_lowest_priority()?;
     prefer_for_out_of_memory();
     limit(Resource::As, limits.memory_bytes)?;
     limit(Resource::Cpu, limits.cpu_seconds)?;

@@ -18,7 +18,7 @@ use super::settings::WorkerSettings;
 use super::worker_error::WorkerError;
 
 /// Largest answer of a worker in bytes. All answers together must fit into the memory of the server.
-const MAX_ANSWER: u64 = 64 << 20;
+const MAX_ANSWER: u64 = 32 << 20;
 /// Interval at which the end of the client is checked while a worker runs.
 const CHECK_INTERVAL: Duration = Duration::from_millis(10);
 /// Time until a worker that has closed its output ends.

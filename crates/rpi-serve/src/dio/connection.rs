@@ -6,7 +6,8 @@ use super::message::{Arg, Message};
 use super::parse;
 use super::subscriber::DioSubscriber;
 use crate::condition::{self, Expr, FactExpr};
-use crate::limits::OnLoss;
+use crate::limits::{Limits, OnLoss};
+use crate::message_size::{max_values, wait_for_turn};
 use crate::role::{Identity, Right};
 use crate::state::{
     ApiError, Client, Language, LoadRequest, Reply, RuleRequest, SessionPolicy, SharedState,
@@ -30,6 +31,8 @@ pub(crate) struct DioConnection {
     outbox: Outbox,
     /// Names of the sessions that belong to this client: opened by the client, or taken over from a disconnected one.
     sessions: Vec<String>,
+    /// Maximum number of values in one message.
+    max_values: usize,
 }
 
 /// Function that carries out one kind of DirectIO request. An error is sent to the client as the answer.
@@ -64,16 +67,16 @@ const REQUESTS: &[(&str, Right, Handler)] = &[
 
 impl ConnectionHandler for DioConnection {
     fn on_message(&mut self, text: &str) -> bool {
+        let values = max_values(text);
+        if values > self.max_values {
+            return self.err(tag_of(text), ApiError::Limit("values in one message"));
+        }
+        let _turn = wait_for_turn(text, values);
         let message = match parse::parse(text) {
             Ok(message) => message,
             Err(why) => {
-                // A malformed message has no tag. The text before `=` is the best guess for an answer that the client
-                // can match.
-                let tag = text.split('=').next().unwrap_or_default().trim();
-                let is_tag = tag.len() < 32 && tag.chars().all(|c| c.is_ascii_alphanumeric());
-                let tag = if is_tag { tag } else { "error" };
                 let what = format!("expected {} at byte {}", why.expected, why.offset);
-                return self.err(tag, ApiError::Invalid(what));
+                return self.err(tag_of(text), ApiError::Invalid(what));
             }
         };
         if message.name == "quit" {
@@ -105,7 +108,13 @@ impl Drop for DioConnection {
 }
 
 impl DioConnection {
-    pub(crate) fn new(state: SharedState, who: Identity, out: Outbox) -> DioConnection {
+    /// Creates the connection of a new client with the identity `who`. `out` is the queue of messages to the client.
+    pub(crate) fn new(
+        state: SharedState,
+        who: Identity,
+        out: Outbox,
+        limits: &Limits,
+    ) -> DioConnection {
         let client = state.lock().objects.client(&who);
         DioConnection {
             state,
@@ -113,6 +122,7 @@ impl DioConnection {
             who,
             outbox: out,
             sessions: Vec::new(),
+            max_values: limits.json_values,
         }
     }
 
@@ -297,6 +307,14 @@ impl DioConnection {
         self.state.lock().devices.watch(sink);
         Ok(())
     }
+}
+
+/// Returns the tag for the error answer to a message that is not parsed: the text before `=` is the best guess for an
+/// answer that the client can match.
+fn tag_of(text: &str) -> &str {
+    let tag = text.split('=').next().unwrap_or_default().trim();
+    let is_tag = tag.len() < 32 && tag.chars().all(|c| c.is_ascii_alphanumeric());
+    if is_tag { tag } else { "error" }
 }
 
 fn answer(tag: &str, result: Result<String, ApiError>) -> String {

@@ -2,6 +2,10 @@
 
 use super::message::{Arg, Message};
 
+/// Maximum length of a tag and of the name of a request in bytes. Subscriptions and requests that are answered later keep
+/// the tag.
+const MAX_IDENTIFIER: usize = 256;
+
 /// Maximum nesting depth of lists and maps in a message; the DirectIO protocol needs three levels.
 const MAX_DEPTH: usize = 16;
 
@@ -82,6 +86,9 @@ impl<'a> Parser<'a> {
     fn identifier(&mut self) -> Result<String, ParseError> {
         let word = self.word(|c| c.is_ascii_alphanumeric() || c == '_');
         match word.starts_with(|c: char| !c.is_ascii_digit()) {
+            true if word.len() > MAX_IDENTIFIER => {
+                Err(self.expected("a name of at most 256 characters"))
+            }
             true => Ok(word.to_owned()),
             false => Err(self.expected("a name")),
         }
@@ -207,6 +214,8 @@ mod tests {
         assert_eq!(back("c1=ver(x)"), "a value at 7");
         assert_eq!(back("c1=ver()x"), "the end at 8");
         assert_eq!(back("c1=ver(1 2)"), "',' or the closing bracket at 9");
+        let long = format!("{}=ver()", "c".repeat(257));
+        assert_eq!(back(&long), "a name of at most 256 characters at 257");
         let deep = format!("c1=a({})", "[".repeat(100_000));
         assert!(back(&deep).starts_with("less nesting"));
     }

@@ -5,6 +5,7 @@ use serde_json::{Value, json};
 use super::connection::{Call, MethodResult, RpcConnection};
 use super::params::{literal, object_type};
 use super::subscriber;
+use crate::message_size::wait_for_answer_turn;
 use crate::state::{CommandRecord, Reply, ServerState};
 
 /// JSON-RPC method `command.load`: loads a command from the text of a program or net.
@@ -63,13 +64,19 @@ pub(super) fn set(front: &mut RpcConnection, call: &Call<'_>) -> MethodResult {
 
 /// JSON-RPC method `command.describe`: returns the state, the ports and the values of a command.
 pub(super) fn describe(front: &mut RpcConnection, call: &Call<'_>) -> MethodResult {
+    let name = call.text("command")?;
+    let bytes = front.state.lock().objects.commands.find(name)?.1.bytes();
+    // Until the answer is queued: the queue has a limit for all clients.
+    let _turn = wait_for_answer_turn(bytes);
     let state = front.state.lock();
-    let (_, record) = state.objects.commands.find(call.text("command")?)?;
+    let (_, record) = state.objects.commands.find(name)?;
     let mut description = description(record);
     if let Some(bound_ns) = state.core.bound_ns(record) {
         description["bound"] = json!(seconds(bound_ns));
     }
-    Ok(Some(description))
+    drop(state);
+    call.answer(description);
+    Ok(None)
 }
 
 /// JSON-RPC method `commands`: returns all commands with their states.

@@ -2,10 +2,10 @@
 
 use serde_json::{Value, json};
 
-use super::json_size::max_values;
 use super::methods::{METHODS, Method};
 use super::reply_target::ReplyTarget;
 use crate::limits::Limits;
+use crate::message_size::{max_values, wait_for_turn};
 use crate::role::Identity;
 use crate::state::{ApiError, Client, Reply, SharedState};
 use crate::transport::{ConnectionHandler, Outbox};
@@ -34,9 +34,12 @@ pub(super) type MethodResult = Result<Option<Value>, ApiError>;
 impl ConnectionHandler for RpcConnection {
     fn on_message(&mut self, text: &str) -> bool {
         let nobody = json!({"id": null});
-        if let Some(why) = self.excess(text) {
+        let (values, most) = (max_values(text), self.limits.json_values);
+        if values > most {
+            let why = format!("a message has at most {most} values");
             return ReplyTarget::single(&nobody, &self.outbox).error(-32600, &why, Value::Null);
         }
+        let _turn = wait_for_turn(text, values);
         let request: Value = match serde_json::from_str(text) {
             Ok(request) => request,
             Err(why) => {
@@ -99,13 +102,6 @@ impl RpcConnection {
         }
     }
 
-    /// Returns the error message for a JSON text with more values than the limit; `None` if the text is within the
-    /// limit.
-    fn excess(&self, text: &str) -> Option<String> {
-        let most = self.limits.json_values;
-        (max_values(text) > most).then(|| format!("a message has at most {most} values"))
-    }
-
     fn handle_request(&mut self, request: &Value, answers: ReplyTarget) -> bool {
         let is_ours = request
             .get("jsonrpc")
@@ -124,8 +120,8 @@ impl RpcConnection {
             return answers.or_null_id().error(-32600, why, Value::Null);
         }
         if method.is_checked && !answers.has_valid_id() {
-            let why = "the id must be a text, a whole number or null";
-            return answers.with_null_id().error(-32600, why, Value::Null);
+            let why = "the id must be a text of at most 256 bytes, a whole number or null";
+            return answers.error(-32600, why, Value::Null);
         }
         let call = Call {
             params: request.get("params").unwrap_or(&Value::Null),

@@ -14,7 +14,7 @@ use crate::role::{Identity, Role};
 use crate::server::Server;
 use crate::settings::Settings;
 use crate::state::SharedState;
-use crate::transport::{ConnectionHandler, Outbox, OutboxReceiver, outbox};
+use crate::transport::{ConnectionHandler, MemoryPool, Outbox, OutboxReceiver, outbox};
 
 const PROGRAM: &str =
     "command Wait () let finish never when cancel; tel\ntask Once let Wait(); tel\n";
@@ -28,7 +28,9 @@ struct Caller {
 impl Caller {
     fn new(state: &SharedState) -> Caller {
         let limits = Limits::default();
-        let (outbox, answers) = outbox(&limits);
+        let memory = MemoryPool::new(limits.memory.outgoing);
+        let memory = memory.connection(Peer::Local, limits.queued_bytes);
+        let (outbox, answers) = outbox(&limits, memory);
         let who = Identity::unnamed(Peer::Local, Role::Programmer);
         let connection = RpcConnection::new(state.clone(), who, outbox.clone(), limits);
         Caller {
@@ -47,6 +49,7 @@ impl Caller {
             let Some(text) = self.answers.receive(Duration::from_millis(50)) else {
                 continue;
             };
+            let (text, _) = text.into_parts();
             let mut answer: Value = serde_json::from_str(&text).unwrap();
             if answer["id"] == method {
                 assert!(answer["error"].is_null(), "{answer}");
@@ -77,7 +80,7 @@ fn every_subscription_ends_with_its_client() {
         ..Settings::default()
     };
     let server = Server::open(&Cell::parse("cell.toml", "").unwrap(), &settings, ()).unwrap();
-    let state = server.shared();
+    let state = server.shared().unwrap();
     let mut owner = Caller::new(&state);
     let named = objects(&mut owner);
     let most = Limits::default().subscriptions;

@@ -3,7 +3,6 @@
 mod commands;
 mod connection;
 mod devices;
-mod json_size;
 #[cfg(test)]
 mod lost_watchers;
 mod methods;

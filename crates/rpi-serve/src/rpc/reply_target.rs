@@ -6,13 +6,18 @@ use std::sync::{Arc, Mutex, PoisonError};
 use serde_json::{Value, json};
 
 use crate::state::ApiError;
-use crate::transport::Outbox;
+use crate::transport::{Outbox, QueueSpace};
+
+/// Maximum length of an id in bytes. The id of a request that is answered later stays in memory until then.
+const MAX_ID_BYTES: usize = 256;
 
 /// Destination of the answer to a JSON-RPC request: a message of its own, or a part of the answer to a batch.
 #[derive(Clone)]
 pub(super) struct ReplyTarget {
-    /// Id of the request, which the answer repeats; `None` for a notification, which has no answer.
+    /// Id of the request, which the answer repeats, or null for an invalid id; `None` for a notification, which has no
+    /// answer.
     id: Option<Value>,
+    has_valid_id: bool,
     delivery: Delivery,
 }
 
@@ -28,6 +33,8 @@ struct Batch {
     left: usize,
     /// JSON texts of the answers so far, separated by commas.
     answers: String,
+    /// Memory that is reserved for the answers.
+    space: QueueSpace,
     /// Maximum total length of the answers in bytes.
     most: usize,
     /// Whether the answers exceed the maximum length. Then the further answers are replaced by one error.
@@ -38,10 +45,7 @@ struct Batch {
 impl ReplyTarget {
     /// Creates the destination for a single request.
     pub(super) fn single(request: &Value, out: &Outbox) -> ReplyTarget {
-        ReplyTarget {
-            id: request_id(request),
-            delivery: Delivery::Single(out.clone()),
-        }
+        ReplyTarget::new(request, Delivery::Single(out.clone()))
     }
 
     /// Creates a destination for each request of a batch. All answers together may have at most `most` bytes.
@@ -49,16 +53,30 @@ impl ReplyTarget {
         let batch = Batch {
             left: requests.len(),
             answers: String::new(),
+            space: out.space(),
             most,
             is_too_long: false,
             out: out.clone(),
         };
         let batch = Arc::new(Mutex::new(batch));
-        let one = |request| ReplyTarget {
-            id: request_id(request),
-            delivery: Delivery::Batch(Arc::clone(&batch)),
-        };
+        let one = |request| ReplyTarget::new(request, Delivery::Batch(Arc::clone(&batch)));
         requests.iter().map(one).collect()
+    }
+
+    fn new(request: &Value, delivery: Delivery) -> ReplyTarget {
+        let given = request.get("id");
+        let valid = |id: &Value| {
+            if is_valid_id(id) {
+                id.clone()
+            } else {
+                Value::Null
+            }
+        };
+        ReplyTarget {
+            id: given.map(valid),
+            has_valid_id: given.is_none_or(is_valid_id),
+            delivery,
+        }
     }
 
     /// Sends the result of the request. Returns false if the client is disconnected.
@@ -83,19 +101,9 @@ impl ReplyTarget {
     }
 
     /// Returns whether the id has a type that JSON-RPC 2.0 allows (section 4): text, whole number or null, or no id at
-    /// all.
+    /// all. A text is short.
     pub(super) fn has_valid_id(&self) -> bool {
-        match &self.id {
-            Some(Value::Number(number)) => number.is_i64() || number.is_u64(),
-            Some(id) => id.is_string() || id.is_null(),
-            None => true,
-        }
-    }
-
-    /// Returns the destination with the id null, for a request whose own id is invalid.
-    pub(super) fn with_null_id(mut self) -> ReplyTarget {
-        self.id = Some(Value::Null);
-        self
+        self.has_valid_id
     }
 
     /// Answers a request that is not valid JSON-RPC with an error, even if the request has no id. Returns false if the
@@ -139,18 +147,24 @@ impl Batch {
             return true;
         }
         if self.is_too_long {
-            let message = format!("the answers have more than {} bytes", self.most);
+            let message = format!(
+                "the answers have more than {} bytes, or more than the server has memory for",
+                self.most
+            );
             let error = json!({"code": -32004, "message": message});
             let answer = json!({"jsonrpc": "2.0", "id": null, "error": error});
             self.push(&answer.to_string());
         }
         let answers = std::mem::take(&mut self.answers);
-        self.out.queue(format!("[{answers}]"))
+        let space = std::mem::replace(&mut self.space, self.out.space());
+        self.out.queue_in(format!("[{answers}]"), space)
     }
 
     /// Adds an answer to the batch, unless the answers would exceed their maximum length.
     fn add(&mut self, answer: &str) {
         self.is_too_long |= self.answers.len() + answer.len() > self.most;
+        // The text is copied once, into brackets.
+        self.is_too_long |= !self.is_too_long && !self.space.grow(2 * answer.len());
         if !self.is_too_long {
             self.push(answer);
         }
@@ -164,9 +178,14 @@ impl Batch {
     }
 }
 
-/// Returns the id of a request; `None` for a request without an id, which is a notification.
-fn request_id(request: &Value) -> Option<Value> {
-    request.get("id").cloned()
+/// Returns whether the answer to a request can repeat its id.
+fn is_valid_id(id: &Value) -> bool {
+    match id {
+        Value::Null => true,
+        Value::Number(number) => number.is_i64() || number.is_u64(),
+        Value::String(text) => text.len() <= MAX_ID_BYTES,
+        Value::Bool(_) | Value::Array(_) | Value::Object(_) => false,
+    }
 }
 
 /// Returns the JSON-RPC error code for an error, and data about the error: -32602 for invalid parameters, else a code

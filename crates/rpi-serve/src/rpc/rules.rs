@@ -10,13 +10,12 @@ use crate::state::RuleRequest;
 /// regular end of `after`, or only at the results that the request lists.
 pub(super) fn schedule(front: &mut RpcConnection, call: &Call<'_>) -> MethodResult {
     let after = call.text("after")?;
-    let fact = |fact| Expr::Fact(after.to_owned(), fact);
+    // Each fact has a copy of the name, which an unknown name could make as long as a message.
+    front.state.lock().objects.commands.find(after)?;
     let results = call.texts("results")?;
-    let regular = fact(FactExpr::Regular);
-    let results = results
-        .iter()
-        .map(|r| fact(FactExpr::Result((*r).to_owned())));
-    let when = match results.reduce(|a, b| Expr::Or(a.into(), b.into())) {
+    let regular = Expr::Fact(after.to_owned(), FactExpr::Regular);
+    let results = results.iter().map(|r| FactExpr::Result((*r).to_owned()));
+    let when = match Expr::any(after, results)? {
         Some(any) => Expr::And(regular.into(), any.into()),
         None => regular,
     };

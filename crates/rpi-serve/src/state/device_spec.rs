@@ -19,6 +19,10 @@ pub(crate) const PARAMETERS: [&str; 5] = [
     "max_acc",
 ];
 
+/// Maximum number of values of a parameter; an arm has fewer links and axes. A list with few more values is rejected by
+/// its length.
+const MAX_VALUES: usize = 32;
+
 /// Request of a client to add a simulated device.
 #[derive(Debug)]
 pub(crate) struct NewDevice<'a> {
@@ -220,7 +224,8 @@ fn parse_reals(new: &NewDevice<'_>, key: &str) -> Result<Option<Vec<f64>>, ApiEr
             "{key}: {why}; expected a list of numbers, as in [1.5, 2]"
         ))
     };
-    let values = rpi_literal::parse_array(text, Scalar::Real).map_err(|e| bad(&e.to_string()))?;
+    let values = rpi_literal::parse_array(text, Scalar::Real, MAX_VALUES);
+    let values = values.map_err(|e| bad(&e.to_string()))?;
     let values = values.ok_or_else(|| bad("the list is null"))?;
     let missing = |at| bad(&format!("value {at} is null"));
     let numbered = values.iter().enumerate();

@@ -208,7 +208,9 @@ impl Drop for ServerState {
 }
 
 /// Returns the number in the name of an object: 12 for `n12` and the letter `n`. Returns `None` if the name has another
-/// form.
+/// form, such as `n012` or `n+12`: subscriptions keep the name, which must not be longer than its number.
 fn parse_number(name: &str, letter: char) -> Option<u64> {
-    name.strip_prefix(letter)?.parse().ok()
+    let digits = name.strip_prefix(letter)?;
+    let is_shortest = digits == "0" || !digits.starts_with(['0', '+']);
+    digits.parse().ok().filter(|_| is_shortest)
 }

@@ -118,7 +118,7 @@ impl Objects {
             let (count, bytes) = usage.usage(client);
             let room = count.admit(1, limits.commands);
             room.map_err(|full| ApiError::limit(full, "commands"))?;
-            let memory = bytes.admit(text, limits.memory_bytes);
+            let memory = bytes.admit(text, limits.memory.commands);
             memory.map_err(|full| ApiError::limit(full, MEMORY_LIMIT))
         })
     }
@@ -132,7 +132,7 @@ impl Objects {
         core: &mut CoreLink,
     ) -> Result<(), ApiError> {
         self.ensure_quota(self.session_of(number), core, |usage, limits, client| {
-            let memory = usage.usage(client).1.admit(bytes, limits.memory_bytes);
+            let memory = usage.usage(client).1.admit(bytes, limits.memory.commands);
             memory.map_err(|full| ApiError::limit(full, MEMORY_LIMIT))
         })
     }
@@ -146,7 +146,7 @@ impl Objects {
         core: &mut CoreLink,
     ) -> Result<(), ApiError> {
         self.ensure_quota(self.session_of(number), core, |usage, limits, _| {
-            let memory = usage.usage(None).1.admit(bytes, limits.memory_bytes);
+            let memory = usage.usage(None).1.admit(bytes, limits.memory.commands);
             memory.map_err(|full| ApiError::limit(full, MEMORY_LIMIT))
         })
     }

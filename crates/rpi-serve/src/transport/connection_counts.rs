@@ -14,7 +14,7 @@ pub(crate) struct ConnectionCounts {
 
 impl ConnectionCounts {
     /// Counts the connections of this moment.
-    pub(super) fn new(places: &Places, throttle: &AuthThrottle) -> ConnectionCounts {
+    pub(crate) fn new(places: &Places, throttle: &AuthThrottle) -> ConnectionCounts {
         ConnectionCounts {
             open: places.counts(),
             rejected: throttle.totals(),

@@ -1,18 +1,25 @@
 //! Message loop of a connection: over a websocket (RFC 6455), or line by line over a Unix socket.
 
-use std::io::{self, Read, Write};
+use std::io::{self, ErrorKind, Read, Write};
+use std::net::{Shutdown, TcpStream};
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
 
-use tungstenite::protocol::frame::coding::CloseCode;
+use tungstenite::protocol::frame::FrameHeader;
+use tungstenite::protocol::frame::coding::{CloseCode, Data, OpCode};
 use tungstenite::protocol::{CloseFrame, Role, WebSocketConfig};
 use tungstenite::{Error, Message, WebSocket};
 
-use super::http_head::is_timeout;
-use super::outbox::OutboxReceiver;
+use super::http::is_timeout;
+use super::metered_stream::MeteredStream;
+use super::outbox::{OutboxReceiver, QueuedMessage};
 
 /// Time for which a connection waits for data from its client before it sends the outgoing messages that are queued.
 pub(crate) const READ_TIMEOUT: Duration = Duration::from_millis(2);
+/// Length in bytes of the buffer for data from a client. Each connection has one.
+const READ_BUFFER: usize = 16 << 10;
+/// Length in bytes of an outgoing message from which on it is not copied to a buffer.
+const LARGE_MESSAGE: usize = 64 << 10;
 /// Time to wait for the answer to a received message before the connection reads again.
 const ANSWER_WAIT: Duration = Duration::from_millis(4);
 
@@ -26,8 +33,24 @@ pub(crate) trait ConnectionHandler {
 }
 
 /// Connection to a client, whose reads time out after [`READ_TIMEOUT`].
-pub(crate) trait Stream: Read + Write + Send {}
-impl<T: Read + Write + Send> Stream for T {}
+pub(crate) trait Stream: Read + Write + Send {
+    /// Ends the direction to the client, which then receives the end of the stream. Further writes fail.
+    fn end_writing(&mut self);
+}
+
+impl Stream for TcpStream {
+    fn end_writing(&mut self) {
+        // The connection may be broken already.
+        let _ = self.shutdown(Shutdown::Write);
+    }
+}
+
+#[cfg(unix)]
+impl Stream for std::os::unix::net::UnixStream {
+    fn end_writing(&mut self) {
+        let _ = self.shutdown(Shutdown::Write);
+    }
+}
 
 /// Maximum message size in bytes, and timeout without any message from the client. A ping is sent to the client after a
 /// third of the timeout. `None` disables pings and timeout.
@@ -44,6 +67,8 @@ pub(crate) enum CloseReason {
     Binary,
     /// The client has sent a message that exceeds the maximum size.
     TooLong,
+    /// The messages of all clients together need too much memory.
+    NoMemory,
     /// The client has not sent anything within the timeout.
     Timeout,
     /// The server is closing all connections.
@@ -62,6 +87,7 @@ impl CloseReason {
                 "binary messages are not supported".to_owned(),
             ),
             CloseReason::TooLong => (CloseCode::Size, too_long(most)),
+            CloseReason::NoMemory => (CloseCode::Again, NO_MEMORY.to_owned()),
             CloseReason::Timeout => (
                 CloseCode::Policy,
                 "timeout: no message from the client".to_owned(),
@@ -73,6 +99,9 @@ impl CloseReason {
     }
 }
 
+/// Error for a message for which the server has no memory.
+const NO_MEMORY: &str = "the server has no memory for this message; try again";
+
 fn too_long(most: usize) -> String {
     format!("a message has at most {most} bytes")
 }
@@ -80,7 +109,7 @@ fn too_long(most: usize) -> String {
 /// Runs the message loop over a websocket until one side closes it, and returns the reason. `rest` holds bytes that
 /// were already read from the stream.
 pub(crate) fn websocket(
-    stream: Box<dyn Stream>,
+    mut stream: MeteredStream,
     rest: Vec<u8>,
     (most, silence): MessageLimits,
     front: &mut dyn ConnectionHandler,
@@ -88,19 +117,22 @@ pub(crate) fn websocket(
     closing: &AtomicBool,
 ) -> CloseReason {
     let config = WebSocketConfig::default()
+        .read_buffer_size(READ_BUFFER)
         .max_message_size(Some(most))
         .max_frame_size(Some(most))
-        .max_write_buffer_size(most.saturating_mul(2).max(1 << 20))
         // Clients of the reference system do not mask their frames, against RFC 6455, section 5.3.
         .accept_unmasked_frames(true);
-    let mut socket = WebSocket::from_partially_read(stream, rest, Role::Server, Some(config));
+    stream.start_frames(rest, most);
+    let mut socket = WebSocket::from_raw_socket(stream, Role::Server, Some(config));
     let mut life = Liveness::new(silence);
     let end = loop {
-        let answer_expected = match handle_read(socket.read(), front, &mut life) {
+        socket.get_mut().begin_turn();
+        let read = socket.read();
+        let answer_expected = match handle_read(read, front, &mut life, socket.get_mut()) {
             Ok(answer_expected) => answer_expected,
             Err(end) => break end,
         };
-        if life.has_timed_out() {
+        if life.has_timed_out() || socket.get_ref().is_too_slow() {
             break CloseReason::Timeout;
         }
         if life.take_ping_due() && socket.write(Message::Ping(Vec::new().into())).is_err() {
@@ -111,6 +143,10 @@ pub(crate) fn websocket(
         }
         if let Some(end) = send_queued(out, || send(&mut socket, out, answer_expected)) {
             break end;
+        }
+        // After a large message, its buffer would remain until the end of the connection.
+        if answer_expected && socket.get_mut().take_large_frame() {
+            socket = WebSocket::from_raw_socket(socket.into_inner(), Role::Server, Some(config));
         }
     };
     let _ = socket.close(end.frame(most));
@@ -124,10 +160,12 @@ fn handle_read(
     read: Result<Message, Error>,
     front: &mut dyn ConnectionHandler,
     life: &mut Liveness,
+    stream: &mut MeteredStream,
 ) -> Result<bool, CloseReason> {
     match read {
         Ok(Message::Text(text)) if front.on_message(&text) => {
             life.touch();
+            stream.end_message(0).map_err(|_| CloseReason::NoMemory)?;
             Ok(true)
         }
         Ok(Message::Ping(_) | Message::Pong(_)) => {
@@ -136,6 +174,7 @@ fn handle_read(
         }
         Ok(Message::Binary(_)) => Err(CloseReason::Binary),
         Err(Error::Io(e)) if is_timeout(&e) => Ok(false),
+        Err(Error::Io(e)) if e.kind() == ErrorKind::QuotaExceeded => Err(CloseReason::NoMemory),
         Err(Error::Capacity(_)) => Err(CloseReason::TooLong),
         _ => Err(CloseReason::Closed),
     }
@@ -196,7 +235,7 @@ impl Liveness {
 fn queued_messages(
     out: &OutboxReceiver,
     answer_expected: bool,
-) -> impl Iterator<Item = String> + '_ {
+) -> impl Iterator<Item = QueuedMessage> + '_ {
     let wait = match answer_expected {
         true => ANSWER_WAIT,
         false => Duration::ZERO,
@@ -206,7 +245,7 @@ fn queued_messages(
 }
 
 fn send(
-    socket: &mut WebSocket<Box<dyn Stream>>,
+    socket: &mut WebSocket<MeteredStream>,
     out: &OutboxReceiver,
     answer_expected: bool,
 ) -> io::Result<()> {
@@ -215,15 +254,35 @@ fn send(
         other => io::Error::other(other),
     };
     for message in queued_messages(out, answer_expected) {
-        socket.write(Message::text(message)).map_err(failed)?;
+        let (text, _space) = message.into_parts();
+        if text.len() <= LARGE_MESSAGE {
+            socket.write(Message::text(text)).map_err(failed)?;
+        } else {
+            socket.flush().map_err(failed)?;
+            write_frame(socket.get_mut(), &text)?;
+        }
     }
     socket.flush().map_err(failed)
+}
+
+/// Writes a text frame directly to the stream. The library would copy it to a buffer, which keeps its size until the end
+/// of the connection.
+fn write_frame(stream: &mut MeteredStream, text: &str) -> io::Result<()> {
+    let header = FrameHeader {
+        opcode: OpCode::Data(Data::Text),
+        ..FrameHeader::default()
+    };
+    let mut head = Vec::new();
+    let formatted = header.format(text.len() as u64, &mut head);
+    formatted.map_err(io::Error::other)?;
+    stream.write_all(&head)?;
+    stream.write_all(text.as_bytes())
 }
 
 /// Runs the message loop over a stream with one message per line until one side closes it, and returns the reason.
 /// `most` is the maximum message size in bytes.
 pub(crate) fn lines(
-    mut stream: Box<dyn Stream>,
+    mut stream: MeteredStream,
     most: usize,
     front: &mut dyn ConnectionHandler,
     out: &OutboxReceiver,
@@ -232,19 +291,28 @@ pub(crate) fn lines(
     let mut waiting = Vec::new();
     let mut chunk = vec![0; 64 << 10];
     while !is_closing(closing) {
+        stream.begin_turn();
         let received = match stream.read(&mut chunk) {
             Ok(0) => return CloseReason::Closed,
             Ok(read) => &chunk[..read],
             Err(e) if is_timeout(&e) => &[],
+            Err(e) if e.kind() == ErrorKind::QuotaExceeded => {
+                return reject_line(&mut stream, front, out, CloseReason::NoMemory, NO_MEMORY);
+            }
             Err(_) => return CloseReason::Closed,
         };
         let Some(answer_expected) = handle_lines(&mut waiting, received, front) else {
             break;
         };
+        if answer_expected && stream.end_message(waiting.len()).is_err() {
+            return reject_line(&mut stream, front, out, CloseReason::NoMemory, NO_MEMORY);
+        }
         if waiting.len() > most {
-            front.on_error(&too_long(most));
-            let _ = send_lines(&mut stream, out, true);
-            return CloseReason::TooLong;
+            let why = too_long(most);
+            return reject_line(&mut stream, front, out, CloseReason::TooLong, &why);
+        }
+        if stream.is_too_slow() {
+            return CloseReason::Timeout;
         }
         if let Some(end) = send_queued(out, || send_lines(&mut stream, out, answer_expected)) {
             return end;
@@ -254,6 +322,20 @@ pub(crate) fn lines(
         true => CloseReason::NotReading,
         false => CloseReason::Closed,
     }
+}
+
+/// Reports to the client that its line is rejected, and returns the reason.
+fn reject_line(
+    stream: &mut dyn Write,
+    front: &mut dyn ConnectionHandler,
+    out: &OutboxReceiver,
+    reason: CloseReason,
+    why: &str,
+) -> CloseReason {
+    front.on_error(why);
+    // The client may have closed the connection.
+    let _ = send_lines(stream, out, true);
+    reason
 }
 
 /// Handles the lines that end within `received`. `waiting` holds the beginning of the first line, and afterwards that
@@ -269,9 +351,11 @@ fn handle_lines(
         waiting.extend_from_slice(&rest[..end]);
         rest = &rest[end + 1..];
         let line = std::mem::take(waiting);
-        let text = String::from_utf8_lossy(&line);
-        if !text.trim().is_empty() && !front.on_message(text.trim()) {
-            return None;
+        match std::str::from_utf8(&line).map(str::trim) {
+            Ok("") => {}
+            Ok(text) if front.on_message(text) => {}
+            Ok(_) => return None,
+            Err(_) => front.on_error("a message must be UTF-8"),
         }
     }
     waiting.extend_from_slice(rest);
@@ -284,7 +368,8 @@ fn send_lines(
     answer_expected: bool,
 ) -> io::Result<()> {
     for message in queued_messages(out, answer_expected) {
-        stream.write_all(message.as_bytes())?;
+        let (text, _space) = message.into_parts();
+        stream.write_all(text.as_bytes())?;
         stream.write_all(b"\n")?;
     }
     stream.flush()

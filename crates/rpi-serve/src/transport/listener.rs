@@ -7,14 +7,17 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use std::thread;
 use std::time::{Duration, Instant};
 
+use http::{Method, StatusCode};
 use tungstenite::handshake::derive_accept_key;
 
 use super::auth::AuthPolicy;
 use super::auth_throttle::{AuthThrottle, RejectReason};
 use super::connection_counts::ConnectionCounts;
 use super::framing::{self, CloseReason, ConnectionHandler, READ_TIMEOUT, Stream};
-use super::http_head::{Head, is_timeout};
-use super::outbox::{Outbox, outbox};
+use super::http::{Head, RequestError, is_timeout};
+use super::memory_pool::MemoryPool;
+use super::metered_stream::MeteredStream;
+use super::outbox::{Outbox, OutboxReceiver, outbox};
 use super::places::{Admission, Place, Places};
 use super::tls::TlsIdentity;
 use crate::dio::DioConnection;
@@ -37,10 +40,17 @@ pub(crate) struct Acceptor {
     /// Table of all open connections, which limits their number by kind.
     pub(crate) places: Places,
     pub(crate) throttle: AuthThrottle,
+    /// Memory of the messages that are being received.
+    pub(crate) incoming: MemoryPool,
+    /// Memory of the messages that are queued for clients.
+    pub(crate) outgoing: MemoryPool,
 }
 
 /// Time to wait between two checks for a new connection and for the end of the server.
 const POLL_INTERVAL: Duration = Duration::from_millis(20);
+
+/// Stack of a connection in bytes. With locked memory, all of it is resident from the start.
+const STACK_BYTES: usize = 512 << 10;
 
 impl Acceptor {
     /// Accepts TCP connections until the server closes.
@@ -82,17 +92,12 @@ impl Acceptor {
         let acceptor = self.clone();
         let _ = thread::Builder::new()
             .name("rpi-client".into())
+            .stack_size(STACK_BYTES)
             .spawn(move || serve(&acceptor));
     }
 
     /// Serves a client at a TLS port. A client that does not speak TLS is answered with an error.
-    fn serve_secure(
-        &self,
-        identity: &TlsIdentity,
-        mut stream: TcpStream,
-        peer: Peer,
-        place: &Place,
-    ) {
+    fn serve_secure(&self, identity: &TlsIdentity, stream: TcpStream, peer: Peer, place: &Place) {
         match starts_tls(&stream, self.limits.request_timeout) {
             Ok(true) => {
                 if let Ok(stream) = identity.accept(stream) {
@@ -100,40 +105,63 @@ impl Acceptor {
                 }
             }
             Ok(false) => {
-                // Closing a socket with unread data resets the connection, and the client would lose the answer. So the
-                // request is read first.
-                let _ = Head::read(&mut stream, self.limits.request_timeout);
-                let _ = web::Response::error(400, TLS_REQUIRED).send(&mut stream);
+                let mut stream = self.metered(Box::new(stream), peer);
+                // The request is read first: its answer is for a client that has sent one.
+                if Head::read(&mut stream, self.limits.request_timeout).is_ok() {
+                    let response = web::Response::error(StatusCode::BAD_REQUEST, TLS_REQUIRED);
+                    self.finish(&mut stream, &response, false);
+                }
             }
             Err(_) => {}
         }
     }
 
-    fn serve(&self, mut stream: Box<dyn Stream>, peer: Peer, place: &Place) {
+    /// Returns the stream with the memory of its incomplete messages limited.
+    fn metered(&self, stream: Box<dyn Stream>, peer: Peer) -> MeteredStream {
+        let memory = self.incoming.connection(peer, usize::MAX);
+        MeteredStream::new(stream, memory, self.limits.idle_timeout)
+    }
+
+    fn serve(&self, stream: Box<dyn Stream>, peer: Peer, place: &Place) {
+        let mut stream = self.metered(stream, peer);
         let head = match Head::read(&mut stream, self.limits.request_timeout) {
             Ok(head) => head,
-            Err(why) if why.kind() == io::ErrorKind::InvalidData => {
-                let _ = web::Response::error(400, &why.to_string()).send(&mut stream);
-                return;
+            Err(RequestError::Connection(_)) => return,
+            Err(RequestError::Rejected(status, reason)) => {
+                let response = web::Response::error(status, reason);
+                return self.finish(&mut stream, &response, false);
             }
-            Err(_) => return,
         };
-        let _ = if !self.auth.is_own_host(&head) {
-            web::Response::error(421, OTHER_HOST).send(&mut stream)
+        let head_only = head.method == Method::HEAD;
+        let response = if !self.auth.is_own_host(&head) {
+            web::Response::error(StatusCode::MISDIRECTED_REQUEST, OTHER_HOST)
         } else if !self.auth.is_same_origin(&head) {
-            web::Response::error(403, OTHER_ORIGIN).send(&mut stream)
+            web::Response::error(StatusCode::FORBIDDEN, OTHER_ORIGIN)
         } else {
             match self.auth.identify(&head, peer) {
                 Ok(who) => return self.serve_client(stream, head, who, place),
-                Err(why) => self.reject(&mut stream, peer, why, place),
+                Err(why) => match self.rejection(peer, why, place) {
+                    Some(response) => response,
+                    None => return,
+                },
             }
         };
+        self.finish(&mut stream, &response, head_only);
+    }
+
+    /// Sends the last response to a client and closes the direction to it. Reads and drops what the client still sends:
+    /// closing a socket with unread data resets the connection, and the client would lose the response.
+    fn finish(&self, stream: &mut MeteredStream, response: &web::Response, head_only: bool) {
+        if response.send(stream, head_only).is_ok() {
+            stream.end_writing();
+            stream.drain(self.limits.message_bytes, self.limits.request_timeout);
+        }
     }
 
     /// Serves an authenticated client, which has sent the head of a request: opens a websocket or answers the request.
     fn serve_client(
         &self,
-        mut stream: Box<dyn Stream>,
+        mut stream: MeteredStream,
         head: Head,
         mut who: Identity,
         place: &Place,
@@ -144,36 +172,40 @@ impl Acceptor {
             self.log_rejection(who.peer, RejectReason::TooManyConnections);
         }
         let is_websocket = is_websocket_upgrade(&head);
-        let _ = match admission {
+        let response = match admission {
             Admission::Closed => return,
             Admission::EmergencyOnly if !is_websocket || head.path != "/rpc" => {
-                web::Response::error(503, NO_PLACE).send(&mut stream)
+                web::Response::error(StatusCode::SERVICE_UNAVAILABLE, NO_PLACE)
             }
-            _ if is_websocket => return self.serve_websocket(stream, head, who),
-            _ => self.answer(&mut stream, &head, &who),
+            _ if is_websocket => match self.websocket_key(&head) {
+                Ok(key) => return self.serve_websocket(stream, head, &key, who),
+                Err(response) => response,
+            },
+            _ => {
+                place.limit(REQUEST_STEPS * self.limits.request_timeout);
+                match self.answer(&mut stream, &head, &who) {
+                    Some(response) => response,
+                    None => return,
+                }
+            }
         };
+        self.finish(&mut stream, &response, head.method == Method::HEAD);
     }
 
-    /// Answers a request without a valid token. After a wrong token the answer is delayed, to slow down guessing.
-    fn reject(
-        &self,
-        stream: &mut dyn Stream,
-        peer: Peer,
-        why: RejectReason,
-        place: &Place,
-    ) -> io::Result<()> {
+    /// Returns the response to a request without a valid token; `None` if it has none. After a wrong token the response
+    /// is delayed, to slow down guessing.
+    fn rejection(&self, peer: Peer, why: RejectReason, place: &Place) -> Option<web::Response> {
         self.log_rejection(peer, why);
         if why == RejectReason::NoToken {
             let needed = "a token is needed: `Authorization: Bearer TOKEN`, or `?token=TOKEN`";
-            return web::Response::error(401, needed).send(stream);
+            return Some(web::Response::error(StatusCode::UNAUTHORIZED, needed));
         }
         // A delayed answer occupies a thread. Beyond the limit of a peer, the connection is closed without an answer.
-        let Some(_wait) = self.throttle.reserve_delay(peer) else {
-            return Ok(());
-        };
+        let _wait = self.throttle.reserve_delay(peer)?;
         place.extend(self.limits.wrong_token_delay);
         thread::sleep(self.limits.wrong_token_delay);
-        web::Response::error(401, "the token is wrong").send(stream)
+        let wrong = "the token is wrong";
+        Some(web::Response::error(StatusCode::UNAUTHORIZED, wrong))
     }
 
     /// Logs a rejected connection or request.
@@ -183,35 +215,64 @@ impl Acceptor {
         }
     }
 
-    fn answer(&self, stream: &mut dyn Stream, head: &Head, who: &Identity) -> io::Result<()> {
+    /// Returns the response to a request; `None` if the connection is broken.
+    fn answer(
+        &self,
+        stream: &mut MeteredStream,
+        head: &Head,
+        who: &Identity,
+    ) -> Option<web::Response> {
         let body = head.body(
             stream,
             self.limits.message_bytes,
             self.limits.request_timeout,
         );
-        let response = match body {
+        match body {
             Ok(body) => {
                 let connections = ConnectionCounts::new(&self.places, &self.throttle);
                 let settings = (&self.limits, &connections);
-                web::respond((&self.state, who), settings, head, &body)
+                let _turn = web::wait_for_page_turn(&self.state, &head.path);
+                let response = web::respond((&self.state, who), settings, head, &body);
+                let memory = self.outgoing.connection(who.peer, usize::MAX);
+                Some(response.reserve(memory))
             }
-            Err(_) => web::Response::error(413, "the body is too long or too slow"),
-        };
-        response.send(stream)
+            Err(RequestError::Connection(_)) => None,
+            Err(RequestError::Rejected(status, reason)) => {
+                Some(web::Response::error(status, reason))
+            }
+        }
     }
 
-    fn serve_websocket(&self, mut stream: Box<dyn Stream>, head: Head, who: Identity) {
-        let (out, outgoing) = outbox(&self.limits);
-        let peer = who.peer;
-        let Some(mut front) = self.handler_for(&head.path, who, out) else {
-            let _ =
-                web::Response::error(404, "there is no websocket at this path").send(&mut stream);
-            return;
-        };
-        let Some(key) = head.header("sec-websocket-key") else {
+    /// Returns the key of a request for a websocket, or the response to a request that is not accepted.
+    fn websocket_key(&self, head: &Head) -> Result<String, web::Response> {
+        if !WEBSOCKET_PATHS.contains(&head.path.as_str()) {
+            let none = "there is no websocket at this path";
+            return Err(web::Response::error(StatusCode::NOT_FOUND, none));
+        }
+        let key = head.header("sec-websocket-key");
+        key.map(str::to_owned).ok_or_else(|| {
             let lacks = "a websocket needs a key (RFC 6455, section 4.1)";
-            let _ = web::Response::error(400, lacks).send(&mut stream);
-            return;
+            web::Response::error(StatusCode::BAD_REQUEST, lacks)
+        })
+    }
+
+    fn serve_websocket(&self, mut stream: MeteredStream, head: Head, key: &str, who: Identity) {
+        let (out, outgoing) = self.outbox(who.peer);
+        let peer = who.peer;
+        let is_rpc = head.path == RPC_PATH;
+        let mut front: Box<dyn ConnectionHandler> = match is_rpc {
+            true => Box::new(RpcConnection::new(
+                self.state.clone(),
+                who,
+                out,
+                self.limits,
+            )),
+            false => Box::new(DioConnection::new(
+                self.state.clone(),
+                who,
+                out,
+                &self.limits,
+            )),
         };
         let accept = derive_accept_key(key.as_bytes());
         let agreed = write!(
@@ -221,7 +282,7 @@ impl Acceptor {
         );
         if agreed.and_then(|()| stream.flush()).is_ok() {
             // No pings for DirectIO: clients of the reference system are not known to answer them.
-            let silence = Some(self.limits.idle_timeout).filter(|_| head.path == "/rpc");
+            let silence = Some(self.limits.idle_timeout).filter(|_| is_rpc);
             let end = framing::websocket(
                 stream,
                 head.remaining,
@@ -234,6 +295,11 @@ impl Acceptor {
         }
     }
 
+    fn outbox(&self, peer: Peer) -> (Outbox, OutboxReceiver) {
+        let memory = self.outgoing.connection(peer, self.limits.queued_bytes);
+        outbox(&self.limits, memory)
+    }
+
     /// Logs that a client was disconnected because it does not read its messages.
     fn log_if_not_reading(&self, end: CloseReason, peer: Peer) {
         if end == CloseReason::NotReading {
@@ -243,21 +309,17 @@ impl Acceptor {
             ));
         }
     }
-
-    fn handler_for(
-        &self,
-        path: &str,
-        who: Identity,
-        out: Outbox,
-    ) -> Option<Box<dyn ConnectionHandler>> {
-        let shared = self.state.clone();
-        match path {
-            "/DirectIO" => Some(Box::new(DioConnection::new(shared, who, out))),
-            "/rpc" => Some(Box::new(RpcConnection::new(shared, who, out, self.limits))),
-            _ => None,
-        }
-    }
 }
+
+/// Path of the websocket of DirectIO.
+const DIRECTIO_PATH: &str = "/DirectIO";
+/// Path of the websocket of JSON-RPC.
+const RPC_PATH: &str = "/rpc";
+/// Paths of all websockets.
+const WEBSOCKET_PATHS: &[&str] = &[DIRECTIO_PATH, RPC_PATH];
+
+/// Number of steps of a request with a time limit each: its body, its execution, its response, and its end.
+const REQUEST_STEPS: u32 = 4;
 
 /// Error answer to a request whose `Host` header names another host, at a server without tokens.
 const OTHER_HOST: &str = "without a token this server answers only requests to an address or to `localhost`, not to other names (`Host`)";
@@ -290,9 +352,11 @@ fn starts_tls(stream: &TcpStream, timeout: Duration) -> io::Result<bool> {
     }
 }
 
+/// Returns whether a request asks for a websocket (RFC 6455, section 4.2.1).
 fn is_websocket_upgrade(head: &Head) -> bool {
     let upgrade = head.header("upgrade");
-    upgrade.is_some_and(|value| value.eq_ignore_ascii_case("websocket"))
+    let is_websocket = upgrade.is_some_and(|value| value.eq_ignore_ascii_case("websocket"));
+    is_websocket && head.method == Method::GET
 }
 
 #[cfg(unix)]
@@ -331,10 +395,10 @@ impl Acceptor {
     }
 
     fn serve_lines(&self, stream: std::os::unix::net::UnixStream, who: Identity) {
-        let (out, outgoing) = outbox(&self.limits);
+        let (out, outgoing) = self.outbox(Peer::Local);
         let mut front = RpcConnection::new(self.state.clone(), who, out, self.limits);
         let most = self.limits.message_bytes;
-        let stream = Box::new(stream);
+        let stream = self.metered(Box::new(stream), Peer::Local);
         let end = framing::lines(stream, most, &mut front, &outgoing, &self.closing);
         self.log_if_not_reading(end, Peer::Local);
     }

@@ -3,9 +3,12 @@
 mod auth;
 mod auth_throttle;
 mod connection_counts;
-mod framing;
-mod http_head;
+mod frame_position;
+pub(crate) mod framing;
+mod http;
 mod listener;
+mod memory_pool;
+mod metered_stream;
 mod outbox;
 mod places;
 #[cfg_attr(not(feature = "tls"), path = "no_tls.rs")]
@@ -13,14 +16,21 @@ mod tls;
 #[cfg(unix)]
 mod unix_socket;
 
+pub(crate) use self::http::Head;
+#[cfg(feature = "entry-points")]
+pub(crate) use self::http::RequestError;
 pub(crate) use auth::AuthPolicy;
 pub(crate) use auth_throttle::AuthThrottle;
 pub(crate) use connection_counts::ConnectionCounts;
 pub(crate) use framing::ConnectionHandler;
-pub(crate) use http_head::Head;
+#[cfg(feature = "entry-points")]
+pub(crate) use framing::Stream;
 pub(crate) use listener::Acceptor;
-pub(crate) use outbox::{Outbox, SubscriptionSender};
-#[cfg(test)]
+pub(crate) use memory_pool::{ConnectionMemory, MemoryPool};
+#[cfg(feature = "entry-points")]
+pub(crate) use metered_stream::MeteredStream;
+pub(crate) use outbox::{Outbox, QueueSpace, SubscriptionSender};
+#[cfg(any(test, feature = "entry-points"))]
 pub(crate) use outbox::{OutboxReceiver, outbox};
 pub(crate) use places::Places;
 pub(crate) use tls::TlsIdentity;

@@ -5,16 +5,17 @@ use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 use std::sync::mpsc::{Receiver, SyncSender, sync_channel};
 use std::time::Duration;
 
+use super::memory_pool::ConnectionMemory;
 use crate::limits::Limits;
 
 /// Sender side of the queue of messages to a client. A client that does not read its messages is disconnected once the
 /// queue is full.
 #[derive(Clone)]
 pub(crate) struct Outbox {
-    messages: SyncSender<String>,
+    messages: SyncSender<QueuedMessage>,
     closed: Arc<AtomicBool>,
-    /// Number of bytes that may still be queued for the client.
-    bytes_left: Arc<AtomicUsize>,
+    /// Memory of the messages that are queued for the client.
+    memory: Arc<ConnectionMemory>,
     /// Number of subscriptions that the client may still make.
     subscriptions_left: Arc<AtomicUsize>,
 }
@@ -22,48 +23,95 @@ pub(crate) struct Outbox {
 /// Sender of the messages of one subscription. Dropping it frees the client's quota for another subscription.
 pub(crate) struct SubscriptionSender(Outbox);
 
+/// Message to a client, with the memory that is reserved for it.
+pub(crate) struct QueuedMessage {
+    text: String,
+    space: QueueSpace,
+}
+
+/// Memory that is reserved for a message to a client. Dropping it releases the memory.
+pub(crate) struct QueueSpace {
+    memory: Arc<ConnectionMemory>,
+    bytes: usize,
+}
+
 /// Receiver side of the queue of messages to a client, owned by the client's connection.
 pub(crate) struct OutboxReceiver {
-    messages: Receiver<String>,
+    messages: Receiver<QueuedMessage>,
     closed: Arc<AtomicBool>,
-    bytes_left: Arc<AtomicUsize>,
 }
 
 /// Creates the queue of messages to a client: its sender and its receiver side.
-pub(crate) fn outbox(limits: &Limits) -> (Outbox, OutboxReceiver) {
+pub(crate) fn outbox(limits: &Limits, memory: ConnectionMemory) -> (Outbox, OutboxReceiver) {
     let (sender, messages) = sync_channel(limits.queued_messages);
-    let over = Arc::new(AtomicBool::new(false));
-    let bytes_left = Arc::new(AtomicUsize::new(limits.queued_bytes));
+    let closed = Arc::new(AtomicBool::new(false));
     let outbox = Outbox {
         messages: sender,
-        closed: Arc::clone(&over),
-        bytes_left: Arc::clone(&bytes_left),
+        closed: Arc::clone(&closed),
+        memory: Arc::new(memory),
         subscriptions_left: Arc::new(AtomicUsize::new(limits.subscriptions)),
     };
-    (
-        outbox,
-        OutboxReceiver {
-            messages,
-            closed: over,
-            bytes_left,
-        },
-    )
+    (outbox, OutboxReceiver { messages, closed })
+}
+
+impl QueuedMessage {
+    /// Splits the message into its text and its memory, which must be kept until the text is sent.
+    pub(crate) fn into_parts(self) -> (String, QueueSpace) {
+        (self.text, self.space)
+    }
+}
+
+impl QueueSpace {
+    /// Reserves `more` bytes. Returns false, and reserves nothing, if the client has no memory left.
+    pub(crate) fn grow(&mut self, more: usize) -> bool {
+        let is_granted = self.memory.reserve(more);
+        if is_granted {
+            self.bytes += more;
+        }
+        is_granted
+    }
+}
+
+impl Drop for QueueSpace {
+    fn drop(&mut self) {
+        self.memory.release(self.bytes);
+    }
 }
 
 impl Outbox {
     /// Queues a message to the client. Returns false if the client is disconnected. A full queue disconnects the
     /// client.
-    pub(crate) fn queue(&self, message: String) -> bool {
+    pub(crate) fn queue(&self, text: String) -> bool {
+        let mut space = self.space();
+        if !space.grow(text.len()) {
+            self.close();
+        }
+        self.queue_in(text, space)
+    }
+
+    /// Queues a message for which memory is reserved, as [`Outbox::queue`].
+    pub(crate) fn queue_in(&self, text: String, space: QueueSpace) -> bool {
         if self.closed.load(Ordering::Relaxed) {
             return false;
         }
         // A client that does not read is disconnected. Waiting would block the thread that serves all clients, and
         // without single messages the client would be wrong about the state.
-        let put = take(&self.bytes_left, message.len()) && self.messages.try_send(message).is_ok();
+        let put = self
+            .messages
+            .try_send(QueuedMessage { text, space })
+            .is_ok();
         if !put {
             self.close();
         }
         put
+    }
+
+    /// Creates a space for a message to the client, in which no memory is reserved yet.
+    pub(crate) fn space(&self) -> QueueSpace {
+        QueueSpace {
+            memory: Arc::clone(&self.memory),
+            bytes: 0,
+        }
     }
 
     /// Marks the client as disconnected.
@@ -110,14 +158,11 @@ impl Drop for SubscriptionSender {
 
 impl OutboxReceiver {
     /// Waits for the next message to the client, for at most `wait`; `None` if there is none.
-    pub(crate) fn receive(&self, wait: Duration) -> Option<String> {
-        let message = match wait.is_zero() {
+    pub(crate) fn receive(&self, wait: Duration) -> Option<QueuedMessage> {
+        match wait.is_zero() {
             true => self.messages.try_recv().ok(),
             false => self.messages.recv_timeout(wait).ok(),
-        };
-        let message = message?;
-        self.bytes_left.fetch_add(message.len(), Ordering::Relaxed);
-        Some(message)
+        }
     }
 
     /// Returns whether the client was marked as disconnected, so that its connection must end.

@@ -165,6 +165,13 @@ impl Place {
         Admission::Admitted
     }
 
+    /// Closes the connection after `time`.
+    pub(super) fn limit(&self, time: Duration) {
+        if let Some(entry) = self.places.lock().entries.get_mut(&self.key) {
+            entry.deadline = Some(Instant::now() + time);
+        }
+    }
+
     /// Postpones the deadline of the connection by `time`.
     pub(super) fn extend(&self, time: Duration) {
         if let Some(entry) = self.places.lock().entries.get_mut(&self.key) {

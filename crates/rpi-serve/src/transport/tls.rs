@@ -1,7 +1,7 @@
 //! TLS for connections from other machines (RFC 8446, RFC 5246), by rustls.
 
 use std::io::{self, Read, Write};
-use std::net::TcpStream;
+use std::net::{Shutdown, TcpStream};
 use std::path::Path;
 use std::sync::Arc;
 
@@ -10,6 +10,7 @@ use rustls::pki_types::pem::{self, PemObject};
 use rustls::pki_types::{CertificateDer, PrivateKeyDer};
 use rustls::{ServerConfig, ServerConnection, StreamOwned};
 
+use super::framing::Stream;
 use crate::client_token::ensure_private_file;
 use crate::open_error::IdentityError;
 
@@ -72,6 +73,15 @@ impl Write for TlsStream {
 
     fn flush(&mut self) -> io::Result<()> {
         self.0.flush()
+    }
+}
+
+impl Stream for TlsStream {
+    fn end_writing(&mut self) {
+        self.0.conn.send_close_notify();
+        // The connection may be broken already.
+        let _ = self.0.flush();
+        let _ = self.0.sock.shutdown(Shutdown::Write);
     }
 }
 

@@ -3,6 +3,7 @@
 use std::collections::BTreeMap;
 use std::sync::Arc;
 
+use http::StatusCode;
 use rpi_image::{PortType, PrimDesc, Scalar};
 use rpi_prims::registry;
 
@@ -39,15 +40,21 @@ pub(crate) fn page(shared: &SharedState, parts: &[&str]) -> Response {
         ["nets", name, "xml"] => page_or_404(net_structure(shared, name), Response::xml),
         ["nets", name, "debug"] => page_or_404(debug(shared, name), Response::xml),
         ["nets", name, "stats"] => page_or_404(stats(shared, name), Response::xml),
-        ["rpc" | "DirectIO"] => Response::error(426, "this path is a websocket, not a page"),
-        _ => Response::error(404, "there is no such page; / lists all pages"),
+        ["rpc" | "DirectIO"] => Response::error(
+            StatusCode::UPGRADE_REQUIRED,
+            "this path is a websocket, not a page",
+        ),
+        _ => Response::error(
+            StatusCode::NOT_FOUND,
+            "there is no such page; / lists all pages",
+        ),
     }
 }
 
 fn page_or_404(page: Result<String, ApiError>, kind: fn(String) -> Response) -> Response {
     match page {
         Ok(body) => kind(body),
-        Err(why) => Response::error(404, &why.to_string()),
+        Err(why) => Response::error(StatusCode::NOT_FOUND, &why.to_string()),
     }
 }
 

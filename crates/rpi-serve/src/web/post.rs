@@ -1,22 +1,22 @@
 //! HTTP POST requests: evaluate a net for one cycle, add and remove devices, end a session.
 
-use std::collections::BTreeMap;
 use std::sync::mpsc::{Receiver, channel};
 use std::time::Duration;
 
+use http::StatusCode;
+
+use super::form::Form;
 use super::response::Response;
 use super::xml::XmlWriter;
 use crate::peer::Peer;
 use crate::role::Identity;
 use crate::state::{ApiError, NewDevice, Reply, SharedState};
 
-type Form = BTreeMap<String, String>;
-
 /// Runs the net in the form field `dionet` for a single cycle and returns its exports as an XML response. Waits at most
 /// `timeout` for the cycle.
 pub(crate) fn eval(shared: &SharedState, form: &Form, timeout: Duration) -> Response {
     let Some(net) = form.get("dionet") else {
-        return Response::error(400, "expected a form with dionet=...");
+        return Response::error(StatusCode::BAD_REQUEST, "expected a form with dionet=...");
     };
     let (sender, answer) = channel();
     let failed = sender.clone();
@@ -33,8 +33,11 @@ pub(crate) fn eval(shared: &SharedState, form: &Form, timeout: Duration) -> Resp
             }
             Response::xml(xml.finish())
         }
-        Ok(Err(why)) => Response::error(400, &why.to_string()),
-        Err(_) => Response::error(503, "timeout: no answer from the cycle"),
+        Ok(Err(why)) => Response::error(StatusCode::BAD_REQUEST, &why.to_string()),
+        Err(_) => Response::error(
+            StatusCode::SERVICE_UNAVAILABLE,
+            "timeout: no answer from the cycle",
+        ),
     }
 }
 
@@ -59,8 +62,11 @@ pub(crate) fn device(
     }
     match answer.recv_timeout(timeout) {
         Ok(Ok(_)) => Response::text("done\n".to_owned()),
-        Ok(Err(why)) => Response::error(400, &why.to_string()),
-        Err(_) => Response::error(503, "timeout: no answer from the cycle"),
+        Ok(Err(why)) => Response::error(StatusCode::BAD_REQUEST, &why.to_string()),
+        Err(_) => Response::error(
+            StatusCode::SERVICE_UNAVAILABLE,
+            "timeout: no answer from the cycle",
+        ),
     }
 }
 
@@ -74,7 +80,10 @@ pub(crate) fn session(
         .get("action")
         .is_none_or(|action| action != "TERMINATE")
     {
-        return Response::error(400, "expected a form with action=TERMINATE");
+        return Response::error(
+            StatusCode::BAD_REQUEST,
+            "expected a form with action=TERMINATE",
+        );
     }
     let mut state = shared.lock();
     // An HTTP request counts as a client without sessions.
@@ -85,8 +94,10 @@ pub(crate) fn session(
         .and_then(|()| state.abort_session(name));
     match ended {
         Ok(()) => Response::text("done\n".to_owned()),
-        Err(why @ ApiError::NotOwner(_)) => Response::error(403, &why.to_string()),
-        Err(why) => Response::error(404, &why.to_string()),
+        Err(why @ ApiError::NotOwner(_)) => {
+            Response::error(StatusCode::FORBIDDEN, &why.to_string())
+        }
+        Err(why) => Response::error(StatusCode::NOT_FOUND, &why.to_string()),
     }
 }
 

@@ -1,8 +1,13 @@
 //! XML writer.
 
+use std::borrow::Cow;
+
+use quick_xml::Writer;
+use quick_xml::events::{BytesDecl, BytesEnd, BytesStart, BytesText, Event};
+
 /// An XML document being written, with the stack of open elements.
 pub(crate) struct XmlWriter {
-    text: String,
+    writer: Writer<Vec<u8>>,
     open: Vec<&'static str>,
 }
 
@@ -10,44 +15,35 @@ impl XmlWriter {
     /// Creates a document with this root element.
     pub(crate) fn new(root: &'static str) -> XmlWriter {
         let mut xml = XmlWriter {
-            text: "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n".to_owned(),
+            writer: Writer::new_with_indent(Vec::new(), b' ', 2),
             open: Vec::new(),
         };
+        xml.write(Event::Decl(BytesDecl::new("1.0", Some("UTF-8"), None)));
         xml.begin(root, &[]);
         xml
     }
 
     /// Opens an element with these attributes.
     pub(crate) fn begin(&mut self, name: &'static str, attributes: &[(&str, &str)]) {
-        self.tag(name, attributes);
-        self.text.push_str(">\n");
+        self.write(Event::Start(tag(name, attributes)));
         self.open.push(name);
     }
 
     /// Closes the innermost open element; does nothing if none is open.
     pub(crate) fn end(&mut self) {
         if let Some(name) = self.open.pop() {
-            self.text
-                .push_str(&format!("{}</{name}>\n", indent(self.open.len())));
+            self.write(Event::End(BytesEnd::new(name)));
         }
     }
 
     /// Writes an element without child elements; `text` may be empty.
     pub(crate) fn leaf(&mut self, name: &'static str, attributes: &[(&str, &str)], text: &str) {
-        self.tag(name, attributes);
-        self.text.push_str(&match text {
-            "" => "/>\n".to_owned(),
-            text => format!(">{}</{name}>\n", escaped(text)),
-        });
-    }
-
-    fn tag(&mut self, name: &str, attributes: &[(&str, &str)]) {
-        self.text
-            .push_str(&format!("{}<{name}", indent(self.open.len())));
-        for (key, value) in attributes {
-            self.text
-                .push_str(&format!(" {key}=\"{}\"", escaped(value)));
+        if text.is_empty() {
+            return self.write(Event::Empty(tag(name, attributes)));
         }
+        self.write(Event::Start(tag(name, attributes)));
+        self.write(Event::Text(BytesText::new(&valid(text))));
+        self.write(Event::End(BytesEnd::new(name)));
     }
 
     /// Closes all open elements and returns the text of the document.
@@ -55,29 +51,33 @@ impl XmlWriter {
         while !self.open.is_empty() {
             self.end();
         }
-        self.text
+        let mut text = String::from_utf8(self.writer.into_inner()).unwrap_or_default();
+        text.push('\n');
+        text
+    }
+
+    fn write(&mut self, event: Event<'_>) {
+        // Writing to memory does not fail.
+        let _ = self.writer.write_event(event);
     }
 }
 
-fn indent(depth: usize) -> String {
-    "  ".repeat(depth)
+fn tag(name: &'static str, attributes: &[(&str, &str)]) -> BytesStart<'static> {
+    let mut tag = BytesStart::new(name);
+    for (key, value) in attributes {
+        tag.push_attribute((*key, &*valid(value)));
+    }
+    tag
 }
 
-/// Escapes a text for use in XML content and attributes. Control characters that XML 1.0 does not allow are left out.
-fn escaped(text: &str) -> String {
-    let mut out = String::with_capacity(text.len());
-    for sign in text.chars() {
-        match sign {
-            '<' => out.push_str("&lt;"),
-            '>' => out.push_str("&gt;"),
-            '&' => out.push_str("&amp;"),
-            '"' => out.push_str("&quot;"),
-            '\n' | '\t' => out.push(sign),
-            sign if sign.is_control() => {}
-            sign => out.push(sign),
-        }
+/// Replaces characters that XML 1.0 cannot represent, not even escaped (section 2.2), by U+FFFD. The library escapes the
+/// others.
+fn valid(text: &str) -> Cow<'_, str> {
+    let is_invalid = |sign: char| matches!(sign, '\0'..='\u{8}' | '\u{b}' | '\u{c}' | '\u{e}'..='\u{1f}' | '\u{fffe}' | '\u{ffff}');
+    match text.contains(is_invalid) {
+        true => text.replace(is_invalid, "\u{fffd}").into(),
+        false => text.into(),
     }
-    out
 }
 
 #[cfg(test)]
@@ -87,11 +87,11 @@ mod tests {
     #[test]
     fn elements_nest_and_texts_are_escaped() {
         let mut xml = XmlWriter::new("a");
-        xml.begin("b", &[("k", "<\"&\u{1}>")]);
-        xml.leaf("c", &[], "x & y");
+        xml.begin("b", &[("k", "<\"&\u{1}>\n\t")]);
+        xml.leaf("c", &[], "x & y\r\u{ffff}\u{7f}\u{85}");
         xml.leaf("d", &[], "");
-        let expected = "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n<a>\n  <b k=\"&lt;&quot;&amp;&gt;\">\n    \
-                        <c>x &amp; y</c>\n    <d/>\n  </b>\n</a>\n";
+        let expected = "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n<a>\n  <b k=\"&lt;&quot;&amp;\u{fffd}&gt;&#10;&#9;\">\n    \
+                        <c>x &amp; y&#13;\u{fffd}\u{7f}\u{85}</c>\n    <d/>\n  </b>\n</a>\n";
         assert_eq!(xml.finish(), expected);
     }
 }

@@ -17,7 +17,12 @@ pub(crate) const BAD_CLIENTS: &[BadClient] = &[
     half_a_head,
     no_http,
     a_body_that_never_comes,
+    chunks_that_lie,
+    two_lengths,
+    a_large_form,
     frames_that_mean_nothing,
+    half_a_large_message,
+    many_values,
     wrong_tokens,
     killed_while_loading,
     a_thief,
@@ -68,7 +73,7 @@ fn raw(at: SocketAddr, bytes: &[u8]) {
 }
 
 fn half_a_head(scene: &Scene, random: &mut Random) {
-    let head = b"GET /DirectIO/ HTTP/1.1\r\nUpgrade: websocket\r\n";
+    let head = b"GET /DirectIO/ HTTP/1.1\r\nHost: localhost\r\nUpgrade: websocket\r\n";
     raw(scene.address, &head[..random.below(head.len())]);
 }
 
@@ -78,8 +83,70 @@ fn no_http(scene: &Scene, random: &mut Random) {
 }
 
 fn a_body_that_never_comes(scene: &Scene, _: &mut Random) {
-    let head = format!("POST /eval HTTP/1.1\r\n{AUTHORIZED}Content-Length: 1000000\r\n\r\ndio");
+    let head = format!(
+        "POST /eval HTTP/1.1\r\nHost: localhost\r\n{AUTHORIZED}Content-Length: 1000000\r\n\r\ndio"
+    );
     raw(scene.address, head.as_bytes());
+}
+
+/// Sends chunks without an end, with a wrong length, and with a length that no machine can hold.
+fn chunks_that_lie(scene: &Scene, random: &mut Random) {
+    let chunks = [
+        "1\r\nx\r\n".repeat(10_000),
+        "3\r\nabcd\r\n0\r\n\r\n".to_owned(),
+        "fffffffffffffff\r\nx".to_owned(),
+        format!("1;{}", "x".repeat(10_000)),
+    ];
+    let chunks = &chunks[random.below(chunks.len())];
+    let head = "POST /eval HTTP/1.1\r\nHost: localhost\r\nTransfer-Encoding: chunked\r\n";
+    raw(
+        scene.address,
+        format!("{head}{AUTHORIZED}\r\n{chunks}").as_bytes(),
+    );
+}
+
+fn two_lengths(scene: &Scene, _: &mut Random) {
+    let head =
+        "POST /eval HTTP/1.1\r\nHost: localhost\r\nContent-Length: 0\r\nContent-Length: 40\r\n";
+    let hidden = "GET /sessions HTTP/1.1\r\nHost: localhost\r\n\r\n";
+    let answer = http(scene.address, &format!("{head}{AUTHORIZED}\r\n{hidden}"));
+    assert!(answer.starts_with("HTTP/1.1 400"), "{answer}");
+}
+
+fn a_large_form(scene: &Scene, _: &mut Random) {
+    let fields: String = (0..100_000).map(|n| format!("{n}=x&")).collect();
+    let length = fields.len();
+    let head = format!("POST /eval HTTP/1.1\r\nHost: localhost\r\n{AUTHORIZED}");
+    http(
+        scene.address,
+        &format!("{head}Content-Length: {length}\r\n\r\n{fields}"),
+    );
+}
+
+/// Sends the first fragment of a message of 1 MiB and pings, and no further fragment.
+fn half_a_large_message(scene: &Scene, _: &mut Random) {
+    let mut client = rpc(scene);
+    let socket = client.socket_mut().get_mut();
+    let _ = socket.write_all(b"\x01\x7f\x00\x00\x00\x00\x00\x10\x00\x00");
+    let _ = socket.write_all(&vec![b' '; 1 << 20]);
+    let _ = socket.write_all(&b"\x89\x00".repeat(100));
+    thread::sleep(Duration::from_millis(20));
+}
+
+/// Sends messages whose values take far more memory than their text.
+fn many_values(scene: &Scene, random: &mut Random) {
+    let objects = "{\"\":1},".repeat(20_000);
+    if random.below(2) == 0 {
+        let mut client = rpc(scene);
+        client.send(&format!(
+            "{{\"id\":1,\"method\":\"ping\",\"params\":[{objects}1]}}"
+        ));
+        client.listen(Duration::from_millis(20));
+    } else {
+        let mut client = dio(scene);
+        client.send(&format!("x=ver([{}1])", "1,".repeat(1_000_000)));
+        client.wait("the error", |text| text.starts_with("x=err").then_some(()));
+    }
 }
 
 /// Sends a frame of 1 GiB, half a message, reserved bits and invalid UTF-8.
@@ -94,7 +161,7 @@ fn frames_that_mean_nothing(scene: &Scene, random: &mut Random) {
         return;
     };
     let head = format!(
-        "GET /rpc HTTP/1.1\r\n{AUTHORIZED}Upgrade: websocket\r\nSec-WebSocket-Key: x\r\n\r\n"
+        "GET /rpc HTTP/1.1\r\nHost: localhost\r\n{AUTHORIZED}Upgrade: websocket\r\nSec-WebSocket-Key: x\r\n\r\n"
     );
     let _ = stream.write_all(head.as_bytes());
     let _ = stream.write_all(frames[random.below(frames.len())]);

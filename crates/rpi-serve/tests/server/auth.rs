@@ -136,7 +136,10 @@ fn the_server_tells_what_there_is() {
     assert!(missing.iter().all(|answer| answer.contains("404")));
     let no_page = ["/rpc", "/DirectIO"].map(|page| get(address, page));
     assert!(no_page.iter().all(|answer| answer.contains("426")));
-    let no_key = http(address, "GET /rpc HTTP/1.1\r\nUpgrade: websocket\r\n\r\n");
+    let no_key = http(
+        address,
+        "GET /rpc HTTP/1.1\r\nHost: localhost\r\nUpgrade: websocket\r\n\r\n",
+    );
     assert!(
         no_key.contains("400") && no_key.contains("needs a key"),
         "{no_key}"

@@ -4,7 +4,7 @@ use std::io::{Read, Write};
 use std::net::TcpStream;
 use std::time::{Duration, Instant};
 
-use rpi_serve::{Limits, Server, Settings};
+use rpi_serve::{Limits, MemoryLimits, Server, Settings};
 use serde_json::json;
 
 use crate::client::{Client, PATIENCE, get, post, server, settings};
@@ -21,6 +21,14 @@ fn with(limits: Limits) -> Server {
     )
 }
 
+/// Returns limits with this memory in bytes for commands.
+fn commands(memory: usize) -> MemoryLimits {
+    MemoryLimits {
+        commands: memory,
+        ..MemoryLimits::default()
+    }
+}
+
 fn session(server: &Server) -> (Client, String) {
     let mut client = Client::dio(server.address());
     let session = client.ask("nse(\"test\")").unwrap();
@@ -31,7 +39,7 @@ fn session(server: &Server) -> (Client, String) {
 #[test]
 fn one_client_does_not_take_the_memory_of_all() {
     let server = with(Limits {
-        memory_bytes: 60_000,
+        memory: commands(60_000),
         ..Limits::default()
     });
     let ((mut one, first), (mut two, second)) = (session(&server), session(&server));
@@ -179,7 +187,7 @@ fn connections_are_counted_and_come_free_again() {
     let held = [(); 2].map(|()| Client::dio(server.address()));
     let mut third = TcpStream::connect(server.address()).unwrap();
     third.set_read_timeout(Some(PATIENCE)).unwrap();
-    let _ = third.write_all(b"GET /nets HTTP/1.1\r\n\r\n");
+    let _ = third.write_all(b"GET /nets HTTP/1.1\r\nHost: localhost\r\n\r\n");
     let mut answer = String::new();
     let _ = third.read_to_string(&mut answer);
     assert!(answer.starts_with("HTTP/1.1 503"), "{answer}");
@@ -206,7 +214,7 @@ task Once () let Long(); tel
 ";
     let load = |memory: usize| {
         let server = with(Limits {
-            memory_bytes: memory,
+            memory: commands(memory),
             ..Limits::default()
         });
         let mut owner = Owner::new(&server);

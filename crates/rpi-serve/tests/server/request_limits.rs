@@ -43,8 +43,11 @@ fn only_so_much_is_set_at_once() {
         format!("snc({{\"{echo}\":{{{values},\"ingain\":\"4\"}}}})")
     };
     assert_eq!(dio.ask(&set(10)), Ok(String::new()));
-    let refused = dio.ask(&set(100_000)).unwrap_err();
+    let refused = dio.ask(&set(50_000)).unwrap_err();
     assert!(refused.contains("values in one request"), "{refused}");
+    // The message is not decoded.
+    let refused = dio.ask(&set(100_000)).unwrap_err();
+    assert!(refused.contains("values in one message"), "{refused}");
     // The last value of an input wins.
     owner.ask("command.start", &json!({"command": echo}));
     let describe = json!({"command": echo});

@@ -162,7 +162,7 @@ fn connect(args: &TeachArgs) -> Result<Connection, Box<dyn Error>> {
 }
 
 fn first_line(path: &Path) -> Result<String, String> {
-    let text = std::fs::read_to_string(path);
+    let text = rpi_files::read_text(path, rpi_files::MAX_DESCRIPTION);
     let text = text.map_err(|why| format!("{}: {why}", path.display()))?;
     Ok(text.lines().next().unwrap_or_default().trim().to_owned())
 }

@@ -44,7 +44,7 @@ impl PointList {
     }
 
     fn read(&self) -> Result<String, String> {
-        match std::fs::read_to_string(&self.path) {
+        match rpi_files::read_text(&self.path, rpi_files::MAX_DESCRIPTION) {
             Err(error) if error.kind() == std::io::ErrorKind::NotFound => Ok(String::new()),
             text => text.map_err(|error| format!("{}: {error}", self.path.display())),
         }

@@ -6,6 +6,7 @@ mod differential;
 mod garbage;
 mod limits;
 mod processes;
+mod scheduling;
 
 /// Device that the texts of the tests move.
 const CELL: &str = "

@@ -87,15 +87,12 @@ impl FolderFiles {
 /// Maximum number of folders, from the folder upwards, in which a ROS package is searched.
 const MOST_ANCESTORS: usize = 32;
 
-/// Maximum size of a robot description in bytes. URDF without meshes has some 100 KB.
-const MAX_DESCRIPTION: u64 = 16 << 20;
-
 impl RobotFiles for FolderFiles {
     fn read(&self, path: &str) -> Result<String, RobotFileError> {
         let path = self.folder.join(path);
         let error = |reason: String| RobotFileError::new(path.display().to_string(), reason);
-        let bytes =
-            rpi_files::read(&path, MAX_DESCRIPTION).map_err(|why| error(why.to_string()))?;
+        let bytes = rpi_files::read(&path, rpi_files::MAX_DESCRIPTION)
+            .map_err(|why| error(why.to_string()))?;
         String::from_utf8(bytes).map_err(|_| error("the file is not UTF-8 text".to_owned()))
     }
 
