@@ -38,6 +38,7 @@ macro_rules! library {
 
 /// Modules of the standard library. A test checks that every file of the library is listed.
 const LIBRARY: &[Library] = &[
+    library!("commands", false),
     library!("control", false),
     library!("devices", false),
     library!("filters", false),
@@ -46,6 +47,7 @@ const LIBRARY: &[Library] = &[
     library!("logic", false),
     library!("math", true),
     library!("motion", false),
+    library!("process", false),
     library!("timers", false),
 ];
 

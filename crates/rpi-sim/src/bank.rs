@@ -2,6 +2,7 @@
 
 use crate::arm::Arm;
 use crate::arm::driven::DrivenArm;
+use crate::arm::limit_usage::AxisUsage;
 use crate::base::Base;
 use crate::cell::{ArmDriver, ArmSpec, Cell, DeviceKind, DeviceSpec};
 use crate::device::{Device, PortIndex, Report};
@@ -39,6 +40,11 @@ pub(crate) trait CellDevice: Device {
     fn inject(&mut self, fault: ScheduledFault) -> bool {
         let _ = fault;
         false
+    }
+
+    /// Calls `each` with the use of the limits of every axis; a device without axes calls it never.
+    fn limit_usage(&self, each: &mut dyn FnMut(AxisUsage<'_>)) {
+        let _ = each;
     }
 
     /// True for a real device, which needs real time and must be opened before use.
@@ -238,6 +244,13 @@ impl SimBank {
             moving: part.device.is_moving(0),
             clock: part.device.clock(),
         })
+    }
+
+    /// Passes the use of the limits of all axes to `each`, with the name of the device, in the order of the cell.
+    pub fn limit_usage(&self, mut each: impl FnMut(&str, AxisUsage<'_>)) {
+        for NamedDevice { name, device } in self.devices.iter().flatten() {
+            device.limit_usage(&mut |axis| each(name, axis));
+        }
     }
 
     /// Passes all reports since the last call to `each`, with the name of the device. Returns the number of reports

@@ -85,6 +85,15 @@ const CASES: &[Case] = &[
             fail wrong when time > 2[s] or d.error;",
     },
     Case {
+        kind: "gripper",
+        keys: "object = \"30 mm\"\nscript = [{ at = \"1.5 s\", value = false }]",
+        parameter: "Gripper",
+        body: "d.width = 0[mm];
+            held = (false -> pre held) or d.holding;
+            finish done when held and time > 1.5[s] and not d.holding and d.opening < 1[mm];
+            fail wrong when time > 3[s] or d.error;",
+    },
+    Case {
         kind: "force-torque",
         keys: "script = [{ at = 0.1, force = [0, 0, -5] }]",
         parameter: "ForceSensor",
@@ -113,6 +122,14 @@ const CASES: &[Case] = &[
             reached = (false -> pre reached) or d.at_speed;
             finish done when reached and not fast and d.velocity = 0[rad/s];
             fail wrong when d.error or time > 3[s];",
+    },
+    Case {
+        kind: "spindle",
+        keys: "seat = 30\ntorque = 2",
+        parameter: "Spindle",
+        body: "d.speed = 60[rad/s];
+            finish done when d.torque > 1.999[N*m] and d.velocity = 0[rad/s] and d.angle > 30.39[rad] and d.angle < 30.41[rad];
+            fail wrong when d.error or d.torque > 0[N*m] and d.angle < 30[rad] or time > 3[s];",
     },
 ];
 

@@ -1,4 +1,4 @@
-//! The paper's Listing 1 without an end: commands that take over from one another for ever.
+//! Tasks without an end: the paper's Listing 1, whose commands take over from one another for ever, and palletising.
 
 use std::path::Path;
 use std::process::{Command, Stdio};
@@ -54,17 +54,28 @@ fn real_time_has_the_same_bits() {
 #[test]
 fn memory_is_constant() {
     let long = std::env::var("RPI_ENDLESS").unwrap_or_else(|_| "600s".to_owned());
-    let [short, long] = ["60s", &long].map(peak);
-    println!("{short} kB in a minute, {long} kB in the end");
-    assert!(long < short + 4096, "{short} kB have become {long} kB");
+    let folder = tempfile::tempdir().unwrap();
+    let jobs = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../examples/jobs");
+    let programs = [
+        endless(folder.path()),
+        jobs.join("palletising/palletising.rpi"),
+    ];
+    for program in programs {
+        let [short, long] = ["60s", &long].map(|time| peak(&program, time));
+        let name = program.display();
+        println!("{name}: {short} kB in a minute, {long} kB in the end");
+        assert!(
+            long < short + 4096,
+            "{name}: {short} kB have become {long} kB"
+        );
+    }
 }
 
 /// Returns the peak memory of a run in kB.
-fn peak(time: &str) -> u64 {
-    let folder = tempfile::tempdir().unwrap();
+fn peak(program: &Path, time: &str) -> u64 {
     let mut run = Command::new(env!("CARGO_BIN_EXE_rpi"))
         .arg("run")
-        .arg(endless(folder.path()))
+        .arg(program)
         .args(["--time", time])
         .stdout(Stdio::null())
         .stderr(Stdio::null())

@@ -39,6 +39,9 @@ const LANGUAGES: &[(&str, BlockKind)] = &[
     ("text", BlockKind::Unchecked),
     ("lua", BlockKind::Unchecked),
     ("python", BlockKind::Unchecked),
+    ("krl", BlockKind::Unchecked),
+    ("rapid", BlockKind::Unchecked),
+    ("urscript", BlockKind::Unchecked),
     ("", BlockKind::Unchecked),
 ];
 

@@ -14,6 +14,7 @@ mod fixes;
 mod forbidden_text;
 mod generated;
 mod guides;
+mod jobs_chapter;
 mod links;
 mod owners;
 mod primitives;

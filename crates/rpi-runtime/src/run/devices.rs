@@ -8,6 +8,7 @@ use rpi_sim::{Cell, Report, SimBank};
 use super::cycle::DeviceTap;
 use super::outcome::{DeviceEnd, DeviceProblem, ProblemPlace};
 use super::samples::{Channel, Source};
+use super::usage::AxisEnd;
 
 /// Maximum number of distinct problems that are listed per device in the outcome of a run.
 const MAX_PROBLEMS: usize = 32;
@@ -100,8 +101,14 @@ pub(super) fn device_ends(bank: &mut SimBank) -> Vec<DeviceEnd> {
             condition: status.code.to_string(),
             moving: status.moving,
             troubles: Vec::new(),
+            axes: Vec::new(),
         })
         .collect();
+    bank.limit_usage(|name, axis| {
+        if let Some(end) = ends.iter_mut().find(|end| end.name == name) {
+            end.axes.extend(AxisEnd::of(axis));
+        }
+    });
     bank.reports(|name, report| {
         if let Some(end) = ends.iter_mut().find(|end| end.name == name) {
             count_problem(&mut end.troubles, &report);

@@ -145,6 +145,8 @@ pub(super) struct CommandLog<'a> {
     pub(super) commands: Vec<(Option<CommandId>, CommandEnd)>,
     /// Number of earlier commands that were removed from the log, because it was full.
     pub(super) unlisted: u64,
+    /// Number of commands that ended in motion and were taken over.
+    pub(super) blended: u64,
     /// Name of the command that could not be loaded, with the load errors; `None` if there was no such command.
     pub(super) load_failure: Option<(String, Vec<LoadError>)>,
 }
@@ -155,6 +157,7 @@ impl<'a> CommandLog<'a> {
             images,
             commands: Vec::new(),
             unlisted: 0,
+            blended: 0,
             load_failure: None,
         }
     }
@@ -185,9 +188,11 @@ impl<'a> CommandLog<'a> {
     }
 
     fn set_end(&mut self, id: CommandId, image: &Image, ending: Ending) {
+        let end = end_text::run_end(image, ending);
+        self.blended += u64::from(matches!(end, RunEnd::Result { moving: true, .. }));
         if let Some(command) = self.entry_mut(id) {
             command.cycles = ending.cycles;
-            command.end = end_text::run_end(image, ending);
+            command.end = end;
         }
     }
 

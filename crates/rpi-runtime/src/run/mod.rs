@@ -26,7 +26,9 @@ mod recorder;
 mod run_loop;
 mod samples;
 mod setup;
+mod statistics;
 mod task_runner;
+mod usage;
 
 pub(crate) use print::format_duration as time_text;
 
@@ -47,4 +49,6 @@ pub use recorder::{Recorded, RecordingStats, RunRecorder, StartRecording};
 pub(crate) use run_loop::SERVE_PERIOD;
 pub use samples::{Channel, Sink, SinkList, Source};
 pub use setup::sampled_flows;
+pub use statistics::{Rounds, TaskTime};
 pub use task_runner::{NotStartedError, Task, TaskCore, TaskEnd};
+pub use usage::{AxisEnd, AxisLimitUse};

@@ -7,6 +7,7 @@ use rpi_prims::{Fault, FaultCode, FaultValues};
 use serde::Serialize;
 
 use super::recorder::RecordingStats;
+use super::usage::AxisEnd;
 use crate::realtime::TimingStats;
 
 /// Outcome of a run of commands or tasks: how the commands ended, the timing of the ticks, and the state of the
@@ -22,6 +23,8 @@ pub struct Outcome {
     /// Number of late successors that could have taken over while the devices moved, if they had been scheduled in
     /// time.
     pub missed: u64,
+    /// Number of commands that ended in motion, because their successors took over without a stop.
+    pub blended: u64,
     /// Final states of the devices, in the order of the cell.
     pub devices: Vec<DeviceEnd>,
     /// Timing statistics of the ticks.
@@ -196,6 +199,9 @@ pub struct DeviceEnd {
     pub moving: bool,
     /// Problems reported by the device during the run, one entry per kind and axis.
     pub troubles: Vec<DeviceProblem>,
+    /// Use of the limits by each axis that has followed set-points; empty for a device without axes.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub axes: Vec<AxisEnd>,
 }
 
 /// A problem that a device has reported during a run, such as a set-point beyond a limit.

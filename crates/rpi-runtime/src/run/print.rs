@@ -33,6 +33,7 @@ impl fmt::Display for Outcome {
                 times(self.missed)
             )?;
         }
+        self.statistics(f)?;
         self.timing(f)?;
         for grant in &self.grants {
             writeln!(f, "  {grant}")?;

@@ -164,6 +164,7 @@ fn outcome(
         unlisted: host.command_log.unlisted,
         late: host.context.late_successors,
         missed: host.context.missed_takeovers,
+        blended: host.command_log.blended,
         devices: devices::device_ends(cycle.bank()),
         figures: cycle.timer.figures(),
         tick_ns: listener.tick_ns,

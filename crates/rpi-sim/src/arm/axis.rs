@@ -1,5 +1,6 @@
 //! One axis of a simulated arm.
 
+use super::limit_usage::LimitUsage;
 use super::limits::{AxisState, Violation, check_set_point};
 use crate::cell::EnforcedLimits;
 use crate::error_code::ErrorCode;
@@ -19,6 +20,8 @@ pub(super) struct Axis {
     pub(super) measured: AxisState,
     /// Present error code of the axis; 0 for none.
     pub(super) code: ErrorCode,
+    /// Use of the limits by all set-points so far.
+    pub(super) usage: LimitUsage,
 }
 
 impl Axis {
@@ -31,6 +34,7 @@ impl Axis {
             driven: position,
             measured: standing,
             code: ErrorCode::OK,
+            usage: LimitUsage::default(),
         }
     }
 
@@ -61,6 +65,15 @@ impl Axis {
     pub(super) fn apply_set_point(&mut self) {
         let held = AxisState::at_rest(self.commanded.position);
         self.commanded = self.staged.take().unwrap_or(held);
+    }
+
+    /// Applies the set-point of this tick, which follows the last one after `period` (s), at `time` (s), and takes note of the use
+    /// of the limits.
+    pub(super) fn follow_set_point(&mut self, period: f64, time: f64) {
+        let before = self.commanded;
+        self.apply_set_point();
+        self.usage
+            .observe([&before, &self.commanded], &self.limits, period, time);
     }
 
     /// Moves the drive by one tick towards the commanded position, which it reaches after `left` ticks.

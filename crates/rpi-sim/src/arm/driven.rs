@@ -4,6 +4,7 @@
 //! as in simulation.
 
 use super::Arm;
+use super::limit_usage::AxisUsage;
 use crate::bank::CellDevice;
 use crate::device::{Device, PortIndex, Report};
 use crate::error_code::ErrorCode;
@@ -47,6 +48,10 @@ impl<C: ArmController> CellDevice for DrivenArm<C> {
 
     fn open(&mut self) -> io::Result<()> {
         self.controller.open(&mut self.arm)
+    }
+
+    fn limit_usage(&self, each: &mut dyn FnMut(AxisUsage<'_>)) {
+        self.arm.limit_usage(each);
     }
 }
 

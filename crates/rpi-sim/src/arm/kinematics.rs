@@ -6,6 +6,7 @@ use super::Arm;
 use super::limits::AxisState;
 use crate::cell::ArmSpec;
 use nalgebra::{SMatrix, Vector6};
+use rpi_kin::chain::JointType;
 use rpi_kin::model::InverseKinematics;
 use rpi_kin::{ArmModel, AxisLimits, InverseKinematicsError, MAX_AXES, Pose, jacobian};
 
@@ -37,6 +38,12 @@ impl ArmKinematics {
             axes: spec.joints.len().min(spec.limits.len()),
             limits,
         }
+    }
+
+    /// Returns true if the axis with this index, from 0, is linear.
+    pub(super) fn is_linear(&self, axis: usize) -> bool {
+        let link = self.model.chain.links.get(axis);
+        link.is_some_and(|link| link.joint == JointType::Prismatic)
     }
 
     /// Returns the pose of the tool in the base frame for joint positions in rad (forward kinematics).

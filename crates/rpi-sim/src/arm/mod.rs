@@ -14,6 +14,7 @@ mod faults;
 mod jog;
 mod kinematic_functions;
 mod kinematics;
+pub mod limit_usage;
 pub mod limits;
 mod motion;
 mod motion_path;

@@ -1,5 +1,6 @@
 //! Access to the arm's ports: reading sensors, checking and staging set-points, calling functions.
 
+use super::limit_usage::AxisUsage;
 use super::limits::{AxisState, Violation};
 use super::motion::call_path_event;
 use super::port_table::{PORTS, PortAction, PortRow, Target};
@@ -308,5 +309,15 @@ impl CellDevice for Arm {
     fn inject(&mut self, fault: ScheduledFault) -> bool {
         Self::inject(self, fault);
         true
+    }
+
+    fn limit_usage(&self, each: &mut dyn FnMut(AxisUsage<'_>)) {
+        for (axis, own) in self.axes.iter().enumerate() {
+            each(AxisUsage {
+                axis,
+                is_linear: self.kinematics.is_linear(axis),
+                usage: &own.usage,
+            });
+        }
     }
 }

@@ -55,10 +55,12 @@ impl Arm {
         self.brake = None;
         self.missed_periods = 0;
         self.motion.end_braking();
-        self.axes.iter_mut().for_each(Axis::apply_set_point);
+        let period = self.tick * f64::from(self.set_point_ticks);
+        for axis in &mut self.axes {
+            axis.follow_set_point(period, self.time);
+        }
         self.ticks_left = self.set_point_ticks;
-        self.motion
-            .set_accepted_period(self.tick * f64::from(self.set_point_ticks));
+        self.motion.set_accepted_period(period);
     }
 
     fn report_missing_set_points(&mut self) {

@@ -21,6 +21,10 @@ pub(super) struct Gripper {
     grip: f64,
     /// Width of the object between the fingers, in m; `None` without an object.
     object: Option<f64>,
+    /// Times (s) at which the object comes between the fingers (true) or is taken or lost (false).
+    script: Vec<(f64, bool)>,
+    /// True while the object is between the fingers.
+    is_object_there: bool,
     tick: f64,
     /// Present opening of the fingers, in m.
     width: f64,
@@ -61,6 +65,12 @@ impl SmallDevice for Gripper {
             KeyType::NotNegative(Length),
             KeyDefault::Absent("no object"),
             "width of the object between the fingers",
+        ),
+        Key::new(
+            "script",
+            KeyType::Switches,
+            KeyDefault::Absent("the object is always there"),
+            "a list of `{ at = time, value = object is there }`",
         ),
     ];
     const PORTS: &'static [PortRow<Self>] = &[
@@ -108,6 +118,8 @@ impl SmallDevice for Gripper {
             fastest: settings.number("speed"),
             grip: settings.number("force"),
             object: settings.optional("object"),
+            script: settings.switches("script").to_vec(),
+            is_object_there: true,
             tick: context.tick,
             width,
             target: width,
@@ -123,7 +135,9 @@ impl SmallDevice for Gripper {
         self.target = set_point;
     }
 
-    fn step(&mut self, _time: f64) {
+    fn step(&mut self, time: f64) {
+        let past = self.script.iter().take_while(|(at, _)| *at <= time);
+        self.is_object_there = past.last().is_none_or(|(_, value)| *value);
         let most = self.fastest * self.tick;
         let before = self.width;
         let next = self.target.clamp(before - most, before + most);
@@ -138,15 +152,20 @@ impl SmallDevice for Gripper {
 }
 
 impl Gripper {
+    /// Returns the width (m) of the object that is between the fingers now; `None` without one.
+    fn object(&self) -> Option<f64> {
+        self.object.filter(|_| self.is_object_there)
+    }
+
     /// Returns the smallest opening (m) to which the fingers can close, given the object between them.
     fn min_width(&self) -> f64 {
         let [lower, _] = self.range;
-        self.object.map_or(lower, |object| object.max(lower))
+        self.object().map_or(lower, |object| object.max(lower))
     }
 
     /// True if the fingers press on an object.
     fn is_holding(&self) -> bool {
-        self.object.is_some() && self.target < self.width && self.width <= self.min_width()
+        self.object().is_some() && self.target < self.width && self.width <= self.min_width()
     }
 
     fn put_width(&self, _: usize, out: &mut SlotWriter<'_>) {

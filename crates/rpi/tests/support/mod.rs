@@ -1,6 +1,7 @@
 //! Runs of the tool and their output.
 #![allow(dead_code, reason = "each test target uses a part")]
 
+pub(crate) mod expected_runs;
 pub(crate) mod recordings;
 pub(crate) mod tools;
 

@@ -192,7 +192,7 @@ fn not_taken_over(
         .primary(successor.span, format!("`{}` does not drive {devices}", successor.name))
         .secondary(end.result.span, format!("here {devices} may still be moving"))
         .help(format!(
-            "`{}` ignores this `yield` and continues until it is at rest: drive {devices} in `{}` as well, or delete the `yield`",
+            "`{}` ignores this `yield` and continues until it is at rest: drive {devices} in `{}` as well, or run a command without a `yield` before it",
             command.name.name, successor.name
         ))
 }

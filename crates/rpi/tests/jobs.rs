@@ -1,0 +1,142 @@
+//! The jobs of robot programmers in `examples/jobs`, as a reader runs them, and in the cases that their programs handle. The runs
+//! that are expected of `examples/jobs/NAME` are in `tests/jobs/NAME.json`.
+
+use std::path::{Path, PathBuf};
+use std::time::{Duration, Instant};
+
+use serde_json::Value;
+
+mod support;
+use support::expected_runs::{assert_run, elements, expected_runs};
+use support::{output_text, rpi};
+
+/// Longest time that a run of an example may take in the tests of every change.
+const LONGEST: Duration = Duration::from_secs(30);
+
+fn root() -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR")).join("../..")
+}
+
+fn program(job: &str) -> PathBuf {
+    root().join(format!("examples/jobs/{job}/{job}.rpi"))
+}
+
+fn runs(job: &str) -> Vec<Value> {
+    expected_runs(&root().join(format!("tests/jobs/{job}.json")))
+}
+
+/// Returns the names of all jobs.
+fn jobs() -> Vec<String> {
+    let folders = std::fs::read_dir(root().join("examples/jobs")).unwrap();
+    let names = folders.map(|folder| folder.unwrap().file_name().into_string().unwrap());
+    let mut names: Vec<String> = names.collect();
+    names.sort();
+    names
+}
+
+/// Runs the job as its cell describes it. Returns the outcome.
+fn first_run(job: &str) -> Value {
+    assert_run(&program(job), &runs(job)[0])
+}
+
+#[test]
+fn every_job_ends_as_expected_within_30_s() {
+    let jobs = jobs();
+    assert!(jobs.len() >= 9, "{jobs:?}");
+    for job in jobs {
+        for run in runs(&job) {
+            let begin = Instant::now();
+            assert_run(&program(&job), &run);
+            let took = begin.elapsed();
+            assert!(took < LONGEST, "{job} takes {took:?}");
+        }
+    }
+}
+
+/// `rpi run` reports the statistics that a programmer asks for: rounds, takeovers in motion, use of the limits.
+#[test]
+fn the_outcome_has_the_statistics_of_the_task() {
+    let outcome = first_run("pick_and_place");
+    assert_eq!(outcome["blended"], 11, "{outcome:#}");
+    assert_eq!(outcome["missed"], 0, "{outcome:#}");
+    let arm = &outcome["devices"][0];
+    let axes = elements(&arm["axes"]);
+    assert_eq!(axes.len(), 7, "{arm:#}");
+    for axis in axes {
+        let limits = elements(&axis["limits"]);
+        let quantities: Vec<_> = limits.iter().map(|limit| &limit["quantity"]).collect();
+        assert_eq!(quantities, ["velocity", "acceleration", "jerk"]);
+        let shares = limits
+            .iter()
+            .map(|limit| limit["largest_share"].as_f64().unwrap());
+        assert!(
+            shares
+                .into_iter()
+                .all(|share| (0.0..=1.001).contains(&share)),
+            "{axis:#}"
+        );
+        assert!(axis["distance_to_end"].as_f64().unwrap() > 0.0, "{axis:#}");
+    }
+    assert_eq!(elements(&outcome["devices"][1]["axes"]).len(), 0);
+}
+
+/// Runs a job and returns its recorded rows of this flow: cycle and value.
+fn recorded(job: &str, flow: &str) -> Vec<(u64, String)> {
+    let folder = tempfile::tempdir().unwrap();
+    let record = folder.path().join("run.csv");
+    let files = [program(job), record.clone()].map(|file| file.to_str().unwrap().to_owned());
+    let output = rpi(&["run", &files[0], "--record", &files[1]]);
+    assert!(output.status.success(), "{}", output_text(&output));
+    let rows = std::fs::read_to_string(record).unwrap();
+    let mut rows: Vec<(u64, String)> = rows
+        .lines()
+        .filter_map(|row| {
+            let mut cells = row.splitn(3, ',');
+            let cycle = cells.next()?.parse().ok()?;
+            let is_flow = cells.next()? == flow;
+            is_flow.then(|| Some((cycle, cells.next()?.to_owned())))?
+        })
+        .collect();
+    rows.sort_by_key(|row| row.0);
+    rows
+}
+
+/// Returns a coordinate of a recorded pose, such as `x`, in m.
+fn coordinate(pose: &str, axis: &str) -> f64 {
+    let (_, rest) = pose.split_once(&format!("{axis}:")).unwrap();
+    let end = rest.find([',', '}']).unwrap();
+    rest[..end].parse().unwrap()
+}
+
+/// The seam runs along y, so the weave of 2 mm is along x; the torch burns from 2 mm behind the start of the seam, but for the 50 ms of
+/// its delay, to 2 mm before the end.
+#[test]
+fn the_weave_goes_across_the_seam_and_the_torch_burns_along_it() {
+    let torch = recorded("welding", "torch.out.bool");
+    let changes: Vec<u64> = torch
+        .windows(2)
+        .filter(|pair| pair[0].1 != pair[1].1)
+        .map(|pair| pair[1].0)
+        .collect();
+    let &[on, off] = &changes[..] else {
+        panic!("the torch changes at {changes:?}");
+    };
+    let tool = recorded("welding", "arm.tcp.commanded_position");
+    let burning = tool.iter().filter(|(cycle, _)| (on..=off).contains(cycle));
+    let places: Vec<[f64; 2]> = burning
+        .map(|(_, pose)| ["x", "y"].map(|axis| coordinate(pose, axis)))
+        .collect();
+    let sides = places.iter().map(|place| place[0] - 0.45);
+    let [least, most] = [sides.clone().fold(0.0, f64::min), sides.fold(0.0, f64::max)];
+    assert!(
+        (most - 0.002).abs() < 2e-5 && (least + 0.002).abs() < 2e-5,
+        "{least} to {most} m"
+    );
+    let [first, last] = [places[0][1] + 0.1, 0.1 - places[places.len() - 1][1]];
+    // 50 ms at 12 mm/s are 0.6 mm; the tool is still accelerating there.
+    assert!((0.0013..0.002).contains(&first), "on at {first} m");
+    assert!(
+        (last - 0.002).abs() < 2e-5,
+        "off at {last} m before the end"
+    );
+}
