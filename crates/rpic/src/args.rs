@@ -137,10 +137,16 @@ pub(crate) struct CompileArgs {
     /// Command to compile, if the program has several.
     #[arg(long, value_name = "NAME")]
     pub(crate) command: Option<String>,
-    /// Node to write as a Lustre node with `--emit lustre`. Default in a Lustre program: the node that `rpi run` would
-    /// run.
-    #[arg(long, value_name = "NAME")]
+    /// Node or function to write with `--emit lustre` or `--emit c`. Default in a Lustre program: the node that `rpi run`
+    /// would run.
+    #[arg(long, visible_alias = "function", value_name = "NAME")]
     pub(crate) node: Option<String>,
+    /// Write the declarations of `--emit c` to the source file instead of a header beside it.
+    #[arg(long)]
+    pub(crate) single_file: bool,
+    /// Write `#line` directives with `--emit c`, so that C compilers and debuggers show the places of the program.
+    #[arg(long)]
+    pub(crate) line_directives: bool,
     /// Treatment of assertions and contracts in the image: omitted, published for monitoring, or a fault that ends the
     /// command.
     #[arg(long, value_name = "MODE", default_value = "off")]
@@ -192,7 +198,7 @@ pub(crate) enum Form {
     Dot,
     /// Drawing of the net in the language of Mermaid.
     Mermaid,
-    /// C99 source with a function that evaluates one cycle.
+    /// C99 source with a function that evaluates one cycle, of a command or of the node given by `--node`.
     C,
     /// Lustre source for model checkers, of a command or of the node given by `--node`.
     Lustre,

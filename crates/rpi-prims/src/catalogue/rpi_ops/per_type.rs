@@ -18,6 +18,12 @@ macro_rules! operators {
                 in { inFirst: $t; inSecond: $t }
                 out { outValue: $t }
                 presence if_any work 1;
+                c Both("inFirst", r"
+*outValue_present = inFirst_present || inSecond_present;
+if (*outValue_present) {
+  COPY(outValue, inFirst_present ? inFirst : inSecond);
+}
+");
                 pure |(first, second)| (first.or(second),)
             }
 
@@ -28,6 +34,18 @@ macro_rules! operators {
                 out { outValue: $t }
                 state { bool, $t }
                 presence if_any work 2;
+                c Code(r"
+if (inValue_present) {
+  *s0 = true;
+  COPY(s1, inValue);
+}
+*outValue_present = *s0 || inInitial_present;
+if (*s0) {
+  COPY(outValue, s1);
+} else if (inInitial_present) {
+  COPY(outValue, inInitial);
+}
+");
                 full |_, _, (seen, last), (), (value, initial)| {
                     if let Some(value) = value {
                         (*seen, *last) = (true, value);
