@@ -79,6 +79,15 @@ impl Lockstep {
         &mut self.machine
     }
 
+    /// Restores the initial state on both sides, as after a fault.
+    ///
+    /// # Errors
+    /// If the program in C has ended.
+    pub fn reset(&mut self) -> Result<(), CTargetError> {
+        self.machine.reset();
+        self.process.reset()
+    }
+
     /// Returns the program in C.
     pub fn process(&mut self) -> &mut CProcess {
         &mut self.process

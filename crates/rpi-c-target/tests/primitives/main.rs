@@ -72,7 +72,9 @@ fn compare(image: Image, compiler: &CCompiler, seed: u64) -> Result<(), String> 
             net_ns: 1_000_000 * cycle as i64,
             ..CycleContext::default()
         };
-        both.cycle(bank, &context).map_err(|e| e.to_string())?;
+        if !both.cycle(bank, &context).map_err(|e| e.to_string())? {
+            both.reset().map_err(|e| e.to_string())?;
+        }
     }
     Ok(())
 }

@@ -108,33 +108,40 @@ static inline double rpi_bounded(double x, double least, double most) {
   const double above = x < least ? least : x;
   return above > most ? most : above;
 }
+/*# rpi_significand */
+/* Significand of a positive finite real with its leading bit at 2^52, and its biased exponent, which may be negative. */
+static inline uint64_t rpi_significand(uint64_t bits, int32_t *exponent) {
+  const uint64_t implicit = UINT64_C(0x0010000000000000);
+  uint64_t significand = bits & (implicit - 1U);
+  *exponent = (int32_t)(bits >> 52);
+  if (*exponent != 0) {
+    return significand | implicit;
+  }
+  *exponent = 1;
+  while (significand < implicit) {
+    significand <<= 1;
+    *exponent -= 1;
+  }
+  return significand;
+}
 /*# rpi_fmod */
 /* Remainder of the division truncated towards 0, which is exact, by long division of the significands. */
 static double rpi_fmod(double x, double y) {
-  const uint64_t fraction = UINT64_C(0x000fffffffffffff);
+  const uint64_t implicit = UINT64_C(0x0010000000000000);
+  const uint64_t infinite = UINT64_C(0x7ff0000000000000);
   const uint64_t sign = rpi_bits(x) & UINT64_C(0x8000000000000000);
   uint64_t a = rpi_bits(x) & UINT64_C(0x7fffffffffffffff);
   uint64_t b = rpi_bits(y) & UINT64_C(0x7fffffffffffffff);
-  int32_t ea = (int32_t)(a >> 52);
-  int32_t eb = (int32_t)(b >> 52);
-  if (b == 0 || ea == 0x7ff || b > UINT64_C(0x7ff0000000000000)) {
-    return (x * y) / (x * y);
+  int32_t ea;
+  int32_t eb;
+  if (b == 0U || a >= infinite || b > infinite) {
+    return rpi_nan();
   }
   if (a < b) {
     return x;
   }
-  a &= fraction;
-  b &= fraction;
-  if (ea == 0) {
-    ea = 1;
-  } else {
-    a |= fraction + 1U;
-  }
-  if (eb == 0) {
-    eb = 1;
-  } else {
-    b |= fraction + 1U;
-  }
+  a = rpi_significand(a, &ea);
+  b = rpi_significand(b, &eb);
   for (; ea > eb; ea -= 1) {
     if (a >= b) {
       a -= b;
@@ -144,17 +151,17 @@ static double rpi_fmod(double x, double y) {
   if (a >= b) {
     a -= b;
   }
-  if (a == 0) {
+  if (a == 0U) {
     return rpi_real(sign);
   }
-  while (a <= fraction && ea > 1) {
+  while (a < implicit) {
     a <<= 1;
     ea -= 1;
   }
-  if (a > fraction) {
-    a = (a & fraction) | ((uint64_t)(uint32_t)ea << 52);
+  if (ea > 0) {
+    return rpi_real(sign | ((uint64_t)(uint32_t)ea << 52) | (a & (implicit - 1U)));
   }
-  return rpi_real(a | sign);
+  return rpi_real(sign | (a >> (1 - ea)));
 }
 /*# rpi_sqrt */
 /* Square root, rounded to nearest: the instruction of the processor, else digit by digit. */

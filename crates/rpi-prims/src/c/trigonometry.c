@@ -93,9 +93,9 @@ static int32_t rpi_reduce_large(const double *x, int32_t count, int32_t exponent
   int32_t half = 0;
   int32_t i;
   bool again = true;
-  double q[20];
-  double parts[20];
-  int32_t digits[20];
+  double q[20] = {0.0};
+  double parts[20] = {0.0};
+  int32_t digits[20] = {0};
   double z = 0.0;
   double sum;
   for (i = 0; i <= least; i += 1) {
