@@ -160,12 +160,7 @@ pub fn c_text(net: &Net) -> Result<String, BenchError> {
 fn compile(net: &Net, dir: &Path) -> Result<std::path::PathBuf, BenchError> {
     let (source, binary) = (dir.join("net.c"), dir.join("net"));
     std::fs::write(&source, c_text(net)? + C_MAIN).map_err(BenchError::from_cause)?;
-    let flags = [
-        "-O2",
-        "-std=c99",
-        "-D_POSIX_C_SOURCE=199309L",
-        "-o",
-    ];
+    let flags = ["-O2", "-std=c99", "-D_POSIX_C_SOURCE=199309L", "-o"];
     let compiled = Command::new("cc")
         .args(flags)
         .arg(&binary)

@@ -55,14 +55,21 @@ impl CCompiler {
     pub fn compile(&self, text: &str) -> Result<CBinary, CTargetError> {
         let binary = CBinary::new()?;
         let source = binary.folder.join(format!("program.{}", self.ending));
-        std::fs::write(&source, text).map_err(|e| CTargetError(format!("{}: {e}", source.display())))?;
+        std::fs::write(&source, text)
+            .map_err(|e| CTargetError(format!("{}: {e}", source.display())))?;
         let mut command = Command::new(&self.program);
-        command.args(&self.options).arg("-o").arg(binary.path()).arg(&source);
+        command
+            .args(&self.options)
+            .arg("-o")
+            .arg(binary.path())
+            .arg(&source);
         let output = command.output();
         let output = output.map_err(|e| CTargetError(format!("{}: {e}", self.program)))?;
         match output.status.success() {
             true => Ok(binary),
-            false => Err(CTargetError(String::from_utf8_lossy(&output.stderr).into_owned())),
+            false => Err(CTargetError(
+                String::from_utf8_lossy(&output.stderr).into_owned(),
+            )),
         }
     }
 }

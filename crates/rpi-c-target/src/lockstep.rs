@@ -97,7 +97,11 @@ impl Lockstep {
     ///
     /// # Errors
     /// Returns the first difference.
-    pub fn cycle(&mut self, bank: &mut dyn DeviceBank, context: &CycleContext) -> Result<bool, Difference> {
+    pub fn cycle(
+        &mut self,
+        bank: &mut dyn DeviceBank,
+        context: &CycleContext,
+    ) -> Result<bool, Difference> {
         let cycle = self.machine.cycle();
         let differs = |text: String| Difference { cycle, text };
         let mut observed = ObservedBank {
@@ -114,7 +118,9 @@ impl Lockstep {
         let mut call = |number: usize, arguments: &[u64]| {
             let (port, expected, results) = calls.next()?;
             if port != self.functions[number] || !same_words(&expected, arguments) {
-                problem = Some(format!("call {number}: expected {expected:x?}, found {arguments:x?}"));
+                problem = Some(format!(
+                    "call {number}: expected {expected:x?}, found {arguments:x?}"
+                ));
             }
             results
         };
@@ -125,11 +131,15 @@ impl Lockstep {
         }
         let fault = self.machine.fault().map_or(0, |f| code_number(f.code));
         if fault != found.fault {
-            return Err(differs(format!("fault: expected {fault}, found {}", found.fault)));
+            return Err(differs(format!(
+                "fault: expected {fault}, found {}",
+                found.fault
+            )));
         }
         let verdict = self.machine.verdict(&[]);
         if fault == 0 {
-            self.compare(&observed.set_points, &found.outputs).map_err(differs)?;
+            self.compare(&observed.set_points, &found.outputs)
+                .map_err(differs)?;
         }
         self.machine.commit();
         self.machine.hand_over(observed.bank);
@@ -137,7 +147,12 @@ impl Lockstep {
     }
 
     fn fields(&self, direction: Direction) -> Vec<Field> {
-        self.process.emitted.interface.of(direction).cloned().collect()
+        self.process
+            .emitted
+            .interface
+            .of(direction)
+            .cloned()
+            .collect()
     }
 
     fn words(&self, start: u32, len: u32) -> Vec<u64> {
@@ -146,7 +161,9 @@ impl Lockstep {
             present: TRUE,
             ty: Type::Array(Scalar::Real, len),
         };
-        self.machine.value(signal).map_or_else(Vec::new, <[u64]>::to_vec)
+        self.machine
+            .value(signal)
+            .map_or_else(Vec::new, <[u64]>::to_vec)
     }
 
     /// Returns the words of the external slots, in the order of the input struct; empty for other fields.
@@ -163,19 +180,22 @@ impl Lockstep {
     /// Returns the input struct of a cycle that the core has evaluated.
     fn inputs(&self, externals: &[Vec<u64>]) -> Vec<u64> {
         let fields = self.fields(Direction::Input);
-        let words = fields.iter().zip(externals).flat_map(|(field, words)| match field.meaning {
-            Meaning::Response(actuator, response) => {
-                let actuators = &self.machine.image().actuators;
-                let port = &actuators[actuator as usize].port;
-                let same = actuators.iter().filter(|a| a.port == *port);
-                let slots = same.flat_map(|a| &a.responses).filter(|r| r.0 == response);
-                // An inactive step has no response; two active ones are a fault.
-                let values = slots.map(|r| self.words(r.1, 1)[0]);
-                vec![values.max().unwrap_or(0)]
-            }
-            Meaning::HasSuccessor => vec![0],
-            _ => words.clone(),
-        });
+        let words = fields
+            .iter()
+            .zip(externals)
+            .flat_map(|(field, words)| match field.meaning {
+                Meaning::Response(actuator, response) => {
+                    let actuators = &self.machine.image().actuators;
+                    let port = &actuators[actuator as usize].port;
+                    let same = actuators.iter().filter(|a| a.port == *port);
+                    let slots = same.flat_map(|a| &a.responses).filter(|r| r.0 == response);
+                    // An inactive step has no response; two active ones are a fault.
+                    let values = slots.map(|r| self.words(r.1, 1)[0]);
+                    vec![values.max().unwrap_or(0)]
+                }
+                Meaning::HasSuccessor => vec![0],
+                _ => words.clone(),
+            });
         words.collect()
     }
 
@@ -191,7 +211,10 @@ impl Lockstep {
                 _ => expected == found,
             };
             if !same {
-                return Err(format!("{}: expected {expected:x?}, found {found:x?}", field.name));
+                return Err(format!(
+                    "{}: expected {expected:x?}, found {found:x?}",
+                    field.name
+                ));
             }
         }
         Ok(())
@@ -203,13 +226,19 @@ impl Lockstep {
         let is_present = |signal: Signal| self.machine.value(signal).is_some();
         let set_point = |actuator: u32| {
             let port = self.actuators[actuator as usize];
-            set_points.iter().rev().find(|s| s.0 == port).map(|s| s.1.clone())
+            set_points
+                .iter()
+                .rev()
+                .find(|s| s.0 == port)
+                .map(|s| s.1.clone())
         };
         let verdict = self.machine.verdict(&[]);
         match field.meaning {
             Meaning::Export(k) => {
                 let signal = image.exports[k as usize].value;
-                self.machine.value(signal).map(|words| normalised(field.ty, words))
+                self.machine
+                    .value(signal)
+                    .map(|words| normalised(field.ty, words))
             }
             Meaning::ExportPresence(k) => {
                 Some(vec![u64::from(is_present(image.exports[k as usize].value))])
@@ -220,9 +249,10 @@ impl Lockstep {
                 Some(Verdict::Result(k)) => k as u64 + 1,
                 _ => 0,
             }]),
-            Meaning::Terminated => {
-                Some(vec![u64::from(matches!(verdict, Some(Verdict::Terminate(_))))])
-            }
+            Meaning::Terminated => Some(vec![u64::from(matches!(
+                verdict,
+                Some(Verdict::Terminate(_))
+            ))]),
             Meaning::ErrorNumber => match verdict {
                 Some(Verdict::Terminate(number)) => Some(vec![number.cast_unsigned()]),
                 _ => None,
@@ -241,7 +271,8 @@ fn normalised(ty: CType, words: &[u64]) -> Vec<u64> {
 
 /// Returns whether words are equal; reals that are not a number are equal to each other.
 fn same_words(a: &[u64], b: &[u64]) -> bool {
-    let same = |(a, b): (&u64, &u64)| a == b || f64::from_bits(*a).is_nan() && f64::from_bits(*b).is_nan();
+    let same =
+        |(a, b): (&u64, &u64)| a == b || f64::from_bits(*a).is_nan() && f64::from_bits(*b).is_nan();
     a.len() == b.len() && a.iter().zip(b).all(same)
 }
 

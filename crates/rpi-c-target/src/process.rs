@@ -37,11 +37,18 @@ impl CProcess {
     ///
     /// # Errors
     /// Returns the messages of the compiler, or the reason why the program does not start.
-    pub fn start(image: &Image, options: &Options<'_>, compiler: &CCompiler) -> Result<CProcess, CTargetError> {
+    pub fn start(
+        image: &Image,
+        options: &Options<'_>,
+        compiler: &CCompiler,
+    ) -> Result<CProcess, CTargetError> {
         let emitted = emit(image, options);
         let text = emitted.source.clone() + &driver(image, options.name, &emitted.interface);
         let binary = compiler.compile(&text)?;
-        let child = Command::new(binary.path()).stdin(Stdio::piped()).stdout(Stdio::piped()).spawn();
+        let child = Command::new(binary.path())
+            .stdin(Stdio::piped())
+            .stdout(Stdio::piped())
+            .spawn();
         let mut child = child.map_err(error)?;
         let (requests, replies) = (child.stdin.take(), child.stdout.take());
         let replies = replies.ok_or_else(|| error("no pipe"))?;
@@ -96,7 +103,9 @@ impl CProcess {
 
     fn send(&mut self, text: &str) -> Result<(), CTargetError> {
         let pipe = self.requests.as_mut().ok_or_else(|| error("no pipe"))?;
-        pipe.write_all(text.as_bytes()).and_then(|()| pipe.flush()).map_err(error)
+        pipe.write_all(text.as_bytes())
+            .and_then(|()| pipe.flush())
+            .map_err(error)
     }
 
     fn reply(&mut self) -> Result<String, CTargetError> {

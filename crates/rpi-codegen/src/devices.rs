@@ -15,14 +15,21 @@ impl Emitter<'_> {
         let image = self.image;
         let actuator = &image.actuators[number as usize];
         let shared = shared_actuator(image, number);
-        let field = |meaning| self.interface.name(Direction::Output, meaning).unwrap_or("");
+        let field = |meaning| {
+            self.interface
+                .name(Direction::Output, meaning)
+                .unwrap_or("")
+        };
         let (value, present) = (
             field(Meaning::SetPoint(shared)),
             field(Meaning::SetPointPresence(shared)),
         );
         let mut lines = Vec::new();
         for (response, slot) in &actuator.responses {
-            let text = match self.interface.name(Direction::Input, Meaning::Response(shared, *response)) {
+            let text = match self
+                .interface
+                .name(Direction::Input, Meaning::Response(shared, *response))
+            {
                 Some(name) => format!("in->{name}"),
                 None if *response == DeviceResponse::ConcurrentAccess => format!("out->{present}"),
                 None => "false".to_owned(),
@@ -41,7 +48,11 @@ impl Emitter<'_> {
         let ty = CType::of_type(actuator.port.ty);
         let single = actuator.inputs.iter().map(|i| i.len).sum::<u32>() == 1;
         for (k, slot) in slots.enumerate() {
-            let element = if single { String::new() } else { format!("[{k}]") };
+            let element = if single {
+                String::new()
+            } else {
+                format!("[{k}]")
+            };
             let set_point = self.variables.value(self.slots, slot, ty);
             lines.push(format!("out->{value}{element} = {set_point};"));
         }
@@ -51,8 +62,16 @@ impl Emitter<'_> {
     /// Returns the statements of [`Step::Call`](rpi_image::Step): a call of an external function with words.
     pub(crate) fn call_device(&mut self, number: u32) -> Vec<String> {
         let function = &self.image.functions[number as usize];
-        let arguments: Vec<u32> = function.arguments.iter().flat_map(|a| a.start..a.end()).collect();
-        let results: Vec<u32> = function.results.iter().flat_map(|r| r.start..r.end()).collect();
+        let arguments: Vec<u32> = function
+            .arguments
+            .iter()
+            .flat_map(|a| a.start..a.end())
+            .collect();
+        let results: Vec<u32> = function
+            .results
+            .iter()
+            .flat_map(|r| r.start..r.end())
+            .collect();
         let mut body = vec![
             format!("rpi_word arguments[{}];", arguments.len().max(1)),
             format!("rpi_word results[{}];", results.len().max(1)),
@@ -65,10 +84,14 @@ impl Emitter<'_> {
             body.push("arguments[0].integer = 0;".to_owned());
         }
         let name = function_name(self.options.name, function, number);
-        body.push(format!("is_found = {name}(in->device, arguments, results);"));
+        body.push(format!(
+            "is_found = {name}(in->device, arguments, results);"
+        ));
         if !results.is_empty() {
             let count = results.len();
-            body.push(format!("if (!is_found) {{\n  rpi_no_result(results, {count});\n}}"));
+            body.push(format!(
+                "if (!is_found) {{\n  rpi_no_result(results, {count});\n}}"
+            ));
         }
         for (k, slot) in results.iter().enumerate() {
             body.push(self.result_word(k, *slot));
@@ -76,7 +99,11 @@ impl Emitter<'_> {
         if function.present != TRUE {
             body.push(self.assignment(function.present, CType::Bool, "is_found"));
         }
-        let body: String = body.iter().flat_map(|l| l.lines()).map(|l| format!("  {l}\n")).collect();
+        let body: String = body
+            .iter()
+            .flat_map(|l| l.lines())
+            .map(|l| format!("  {l}\n"))
+            .collect();
         vec![format!("{{\n{body}}}")]
     }
 

@@ -51,7 +51,9 @@ fn read(field: &Field) -> String {
         CType::Real => "driver_real(driver_read())",
         CType::Word => "driver_read()",
     };
-    elements(field).map(|place| format!("      {place} = {value};\n")).collect()
+    elements(field)
+        .map(|place| format!("      {place} = {value};\n"))
+        .collect()
 }
 
 fn write(field: &Field) -> String {
@@ -60,5 +62,7 @@ fn write(field: &Field) -> String {
         CType::Int | CType::Word => format!("(uint64_t){place}"),
         CType::Real => format!("driver_bits({place})"),
     };
-    elements(field).map(|place| format!("      driver_write({});\n", word(&place))).collect()
+    elements(field)
+        .map(|place| format!("      driver_write({});\n", word(&place)))
+        .collect()
 }

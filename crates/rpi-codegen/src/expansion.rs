@@ -43,7 +43,9 @@ const CALLS: &[&str] = &[
 
 /// Returns the text before the first call, the call with its parenthesis, and the text after it.
 fn next_call(text: &str) -> Option<(&str, &'static str, &str)> {
-    let found = CALLS.iter().filter_map(|call| Some((text.find(call)?, *call)));
+    let found = CALLS
+        .iter()
+        .filter_map(|call| Some((text.find(call)?, *call)));
     let (at, call) = found.min()?;
     Some((&text[..at], call, &text[at + call.len()..]))
 }
@@ -84,7 +86,9 @@ fn replacement(prim: &Prim, call: &str, arguments: &[&str]) -> String {
         },
         ("SLICE(", [to, array, start]) => {
             let n = operand(prim, to).slots();
-            format!("memcpy({to}, {array} + {start} * {n}, (size_t){to}_len * {n}U * sizeof {to}[0])")
+            format!(
+                "memcpy({to}, {array} + {start} * {n}, (size_t){to}_len * {n}U * sizeof {to}[0])"
+            )
         }
         ("NEUTRAL(", [to]) => neutral(operand(prim, to), to),
         ("LOAD(", [to, words]) => load(operand(prim, to), to, words),

@@ -67,13 +67,21 @@ pub(crate) fn function(prim: &Prim, as_value: bool) -> Option<Function> {
     let mut parameters = parameters(prim);
     parameters.retain(|p| mentions(&body, &p.name));
     let name = format!("rpi_{}", prim.desc.name.replace("::", "_"));
-    let name = if value.is_some() { name } else { format!("{name}_step") };
+    let name = if value.is_some() {
+        name
+    } else {
+        format!("{name}_step")
+    };
     let result = match value {
         Some(_) => CType::of(port_element(outputs[0].ty)).name(),
         None => "void",
     };
     let list: Vec<&str> = parameters.iter().map(|p| p.declaration.as_str()).collect();
-    let list = if list.is_empty() { "void".to_owned() } else { list.join(", ") };
+    let list = if list.is_empty() {
+        "void".to_owned()
+    } else {
+        list.join(", ")
+    };
     let body = match value {
         Some(_) => format!("  return {body};\n"),
         None => body.trim().lines().map(|l| format!("  {l}\n")).collect(),
@@ -95,7 +103,9 @@ fn parameters(prim: &Prim) -> Vec<Parameter> {
         list.port(port.name, port.ty, true, &|part| Argument::Input(k, part));
     }
     for (k, param) in prim.desc.params.iter().enumerate() {
-        list.port(param.name, param_port(param.ty), true, &|part| Argument::Param(k, part));
+        list.port(param.name, param_port(param.ty), true, &|part| {
+            Argument::Param(k, part)
+        });
     }
     for (k, port) in prim.desc.outputs.iter().enumerate() {
         list.port(port.name, port.ty, false, &|part| Argument::Output(k, part));
@@ -123,7 +133,13 @@ impl ParameterList {
         });
     }
 
-    fn port(&mut self, name: &str, ty: PortType, is_input: bool, argument: &dyn Fn(Part) -> Argument) {
+    fn port(
+        &mut self,
+        name: &str,
+        ty: PortType,
+        is_input: bool,
+        argument: &dyn Fn(Part) -> Argument,
+    ) {
         let c_type = CType::of(port_element(ty)).name();
         let (value, presence) = match (is_input, is_single(ty)) {
             (true, true) => (format!("{c_type} {name}"), "bool "),
@@ -141,6 +157,10 @@ impl ParameterList {
             self.add(argument(*part), &size, &format!("int32_t {size}"));
         }
         let present = format!("{name}_present");
-        self.add(argument(Part::Presence), &present, &format!("{presence}{present}"));
+        self.add(
+            argument(Part::Presence),
+            &present,
+            &format!("{presence}{present}"),
+        );
     }
 }

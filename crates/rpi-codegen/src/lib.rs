@@ -15,6 +15,7 @@
 //! | `devices.rs` | set-points and device functions |
 //! | `support.rs` | common functions that the text uses |
 //! | `driver.rs` | program that runs the cycles for another process |
+//! | `initial.rs` | initial values and restarts |
 //! | `header.rs`, `source.rs` | the two files |
 
 mod access;
@@ -25,6 +26,7 @@ mod expansion;
 mod functions;
 mod header;
 mod identifiers;
+mod initial;
 mod literals;
 mod parts;
 mod ports;

@@ -113,11 +113,23 @@ pub(crate) fn is_set_by_caller(flow: CommandFlow) -> bool {
 fn flow_name(flow: CommandFlow) -> (&'static str, &'static str) {
     match flow {
         CommandFlow::Cancel => ("cancel", "true after a request to cancel the command"),
-        CommandFlow::Takeover => ("takeover", "true if a successor takes over every moving device"),
-        CommandFlow::NetTime => ("net_time", "logical time of the cycle, ns since the Unix epoch"),
-        CommandFlow::WallTime => ("wall_time", "time of the system clock, ns since the Unix epoch"),
+        CommandFlow::Takeover => (
+            "takeover",
+            "true if a successor takes over every moving device",
+        ),
+        CommandFlow::NetTime => (
+            "net_time",
+            "logical time of the cycle, ns since the Unix epoch",
+        ),
+        CommandFlow::WallTime => (
+            "wall_time",
+            "time of the system clock, ns since the Unix epoch",
+        ),
         CommandFlow::Predecessor => ("predecessor", "identification of the preceding command"),
-        CommandFlow::SpeedOverride => ("speed_override", "share of the speed of all motions, 0 to 1"),
+        CommandFlow::SpeedOverride => (
+            "speed_override",
+            "share of the speed of all motions, 0 to 1",
+        ),
         CommandFlow::Pause => ("pause", "true while all motions pause"),
         CommandFlow::Time | CommandFlow::Period => ("time", "time in s"),
         CommandFlow::Elapsed | CommandFlow::PeriodTicks => ("ticks", "time in ticks"),
@@ -130,7 +142,10 @@ fn response_name(response: DeviceResponse) -> (&'static str, &'static str) {
         DeviceResponse::DeviceFailed => ("failed", "whether the device has failed"),
         DeviceResponse::IllegalValue => ("illegal", "whether the device rejects the set-point"),
         DeviceResponse::ErrorCode => ("error", "error code of the device, 0 if there is none"),
-        DeviceResponse::Completed => ("completed", "whether the device accepted the last set-point"),
+        DeviceResponse::Completed => (
+            "completed",
+            "whether the device accepted the last set-point",
+        ),
     }
 }
 
@@ -149,7 +164,15 @@ struct Builder<'a> {
 }
 
 impl Builder<'_> {
-    fn add(&mut self, direction: Direction, name: &str, ty: CType, len: u32, meaning: Meaning, text: String) {
+    fn add(
+        &mut self,
+        direction: Direction,
+        name: &str,
+        ty: CType,
+        len: u32,
+        meaning: Meaning,
+        text: String,
+    ) {
         let names = match direction {
             Direction::Input => &mut self.inputs,
             Direction::Output => &mut self.outputs,
@@ -169,11 +192,20 @@ impl Builder<'_> {
 
     fn external(&mut self, name: &str, signal: Signal, text: &str) {
         let object = self.slots.object(signal.start);
-        let known = self.interface.name(Direction::Input, Meaning::External(object.start));
+        let known = self
+            .interface
+            .name(Direction::Input, Meaning::External(object.start));
         if known.is_none() {
             let (ty, len) = (self.slots.ty(object.start), object.len);
             let text = format!("{text}: {}", signal.ty);
-            self.add(Direction::Input, name, ty, len, Meaning::External(object.start), text);
+            self.add(
+                Direction::Input,
+                name,
+                ty,
+                len,
+                Meaning::External(object.start),
+                text,
+            );
         }
         if signal.present > TRUE {
             let name = format!("{name}_present");
@@ -190,11 +222,18 @@ impl Builder<'_> {
             self.external(&input.key, input.value, &format!("input `{}`", input.key));
             if let Some(updated) = input.last_updated {
                 let name = format!("{}_updated", input.key);
-                self.external(&name, updated, "time of the last update, ns since the Unix epoch");
+                self.external(
+                    &name,
+                    updated,
+                    "time of the last update, ns since the Unix epoch",
+                );
             }
         }
         for sensor in &image.sensors {
-            let text = format!("sensor {}.{}[{}]", sensor.port.device, sensor.port.port, sensor.port.index);
+            let text = format!(
+                "sensor {}.{}[{}]",
+                sensor.port.device, sensor.port.port, sensor.port.index
+            );
             self.external(&port_text(&sensor.port), sensor.value, &text);
         }
         for flow in image.flows.iter().filter(|f| is_set_by_caller(f.kind)) {
@@ -206,7 +245,14 @@ impl Builder<'_> {
             && results.iter().any(|r| r.kind == CommandEndKind::Yield)
         {
             let text = "whether a successor takes over if the command yields".to_owned();
-            self.add(Direction::Input, "has_successor", CType::Bool, 1, Meaning::HasSuccessor, text);
+            self.add(
+                Direction::Input,
+                "has_successor",
+                CType::Bool,
+                1,
+                Meaning::HasSuccessor,
+                text,
+            );
         }
     }
 
@@ -222,7 +268,14 @@ impl Builder<'_> {
                 }
                 let (suffix, text) = response_name(*response);
                 let name = format!("{}_{suffix}", port_text(&actuator.port));
-                self.add(Direction::Input, &name, response_type(*response), 1, meaning, text.to_owned());
+                self.add(
+                    Direction::Input,
+                    &name,
+                    response_type(*response),
+                    1,
+                    meaning,
+                    text.to_owned(),
+                );
             }
         }
     }
@@ -232,11 +285,25 @@ impl Builder<'_> {
             let ty = CType::of_type(export.value.ty);
             let text = format!("flow `{}`: {}", export.key, export.value.ty);
             let len = export.value.ty.slots();
-            self.add(Direction::Output, &export.key, ty, len, Meaning::Export(k), text);
+            self.add(
+                Direction::Output,
+                &export.key,
+                ty,
+                len,
+                Meaning::Export(k),
+                text,
+            );
             if export.value.present != TRUE {
                 let name = format!("{}_present", export.key);
                 let text = "whether the flow has a value in this cycle".to_owned();
-                self.add(Direction::Output, &name, CType::Bool, 1, Meaning::ExportPresence(k), text);
+                self.add(
+                    Direction::Output,
+                    &name,
+                    CType::Bool,
+                    1,
+                    Meaning::ExportPresence(k),
+                    text,
+                );
             }
         }
         for (k, actuator) in (0..).zip(&image.actuators) {
@@ -244,17 +311,43 @@ impl Builder<'_> {
                 self.set_point(k, &actuator.port, &actuator.inputs);
             }
         }
-        match &image.end {
+        self.end(&image.end);
+    }
+
+    fn end(&mut self, end: &CommandEnd) {
+        match end {
             CommandEnd::Results(results) if results.is_empty() => {}
             CommandEnd::Results(_) => {
                 let text = "number of the result with which the command ends, else 0".to_owned();
-                self.add(Direction::Output, "result", CType::Int, 1, Meaning::Result, text);
+                self.add(
+                    Direction::Output,
+                    "result",
+                    CType::Int,
+                    1,
+                    Meaning::Result,
+                    text,
+                );
             }
             CommandEnd::Ports { .. } => {
                 let text = "whether the command ends".to_owned();
-                self.add(Direction::Output, "terminated", CType::Bool, 1, Meaning::Terminated, text);
-                let text = "error number with which the command ends, 0 if there is none".to_owned();
-                self.add(Direction::Output, "error_number", CType::Int, 1, Meaning::ErrorNumber, text);
+                self.add(
+                    Direction::Output,
+                    "terminated",
+                    CType::Bool,
+                    1,
+                    Meaning::Terminated,
+                    text,
+                );
+                let text =
+                    "error number with which the command ends, 0 if there is none".to_owned();
+                self.add(
+                    Direction::Output,
+                    "error_number",
+                    CType::Int,
+                    1,
+                    Meaning::ErrorNumber,
+                    text,
+                );
             }
         }
     }
@@ -263,10 +356,27 @@ impl Builder<'_> {
         let name = port_text(port);
         let ty = CType::of_type(port.ty);
         let len = inputs.iter().map(|i| i.len).sum();
-        let text = format!("set-point for {}.{}[{}]: {}", port.device, port.port, port.index, port.ty);
-        self.add(Direction::Output, &name, ty, len, Meaning::SetPoint(actuator), text);
+        let text = format!(
+            "set-point for {}.{}[{}]: {}",
+            port.device, port.port, port.index, port.ty
+        );
+        self.add(
+            Direction::Output,
+            &name,
+            ty,
+            len,
+            Meaning::SetPoint(actuator),
+            text,
+        );
         let text = "whether there is a set-point in this cycle".to_owned();
         let name = format!("{name}_present");
-        self.add(Direction::Output, &name, CType::Bool, 1, Meaning::SetPointPresence(actuator), text);
+        self.add(
+            Direction::Output,
+            &name,
+            CType::Bool,
+            1,
+            Meaning::SetPointPresence(actuator),
+            text,
+        );
     }
 }

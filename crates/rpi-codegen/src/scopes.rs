@@ -100,7 +100,10 @@ impl Tracker<'_> {
         let Some(writer) = self.writers[slot as usize] else {
             return;
         };
-        let (writer, reader) = (&self.positions[writer as usize], &self.positions[at as usize]);
+        let (writer, reader) = (
+            &self.positions[writer as usize],
+            &self.positions[at as usize],
+        );
         let lifetime = if reader.scopes.starts_with(&writer.scopes) {
             Lifetime::Scope
         } else if self.implies(reader, writer) {

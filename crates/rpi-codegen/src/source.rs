@@ -1,15 +1,16 @@
 //! Text of the C source: constants, functions and the cycle.
 
+use crate::Emitted;
 use crate::c_type::CType;
-use crate::header::{CYCLE, counts_cycles, declarations, state_variables};
+use crate::header::{CYCLE, counts_cycles, declarations};
 use crate::identifiers::mentions;
+use crate::initial::{init_function, resets};
 use crate::literals::literal;
 use crate::parts::{Node, Parts, print};
 use crate::ports::{Direction, Meaning};
-use crate::statements::{Emitter, declarator, escaped, initial};
+use crate::statements::{Emitter, declarator, escaped};
 use crate::support::needed;
-use crate::variables::{Storage, Variable};
-use crate::Emitted;
+use crate::variables::Storage;
 use rpi_image::CommandFlow;
 use rpi_image::image::{CommandEnd, CommandEndKind, Signal, TRUE};
 
@@ -33,7 +34,11 @@ pub(crate) fn write(mut emitter: Emitter<'_>) -> Emitted {
     body += &part_functions(&name, &parts);
     body += &step_function(&emitter, &nodes);
     let body = init_function(&emitter) + &body + &self_test(&name);
-    let functions: String = emitter.functions.values().map(|f| format!("{}\n", f.text)).collect();
+    let functions: String = emitter
+        .functions
+        .values()
+        .map(|f| format!("{}\n", f.text))
+        .collect();
     let tables = constants(&emitter) + &places(&emitter) + &value_struct(&emitter);
     let support = needed(&format!("{functions}{body}{tables}"));
     let parameters = parameters(&emitter, &format!("{support}{functions}"));
@@ -66,13 +71,18 @@ fn comment(emitter: &Emitter<'_>) -> String {
 
 /// Returns the constants of the program that its functions use.
 fn parameters(emitter: &Emitter<'_>, text: &str) -> String {
-    let (dt, tick) = (emitter.image.period_ns as f64 / 1e9, emitter.image.tick_ns as f64);
+    let (dt, tick) = (
+        emitter.image.period_ns as f64 / 1e9,
+        emitter.image.tick_ns as f64,
+    );
     let mut out = String::new();
     if mentions(text, "rpi_dt") {
         out += &format!("/* Period in s. */\nstatic const double rpi_dt = {dt:?};\n");
     }
     if mentions(text, "rpi_tick_ns") {
-        out += &format!("/* Length of a tick in ns. */\nstatic const double rpi_tick_ns = {tick:?};\n");
+        out += &format!(
+            "/* Length of a tick in ns. */\nstatic const double rpi_tick_ns = {tick:?};\n"
+        );
     }
     out
 }
@@ -101,22 +111,33 @@ fn outputs(emitter: &mut Emitter<'_>) -> Vec<String> {
     let mut lines = Vec::new();
     let image = emitter.image;
     for (k, export) in (0..).zip(&image.exports) {
-        let field = |meaning| emitter.interface.name(Direction::Output, meaning).map(str::to_owned);
+        let field = |meaning| {
+            emitter
+                .interface
+                .name(Direction::Output, meaning)
+                .map(str::to_owned)
+        };
         let (value, present) = (field(Meaning::Export(k)), field(Meaning::ExportPresence(k)));
         let ty = CType::of_type(export.value.ty);
         let name = value.unwrap_or_default();
         if let Some(present) = present {
-            let text = emitter.variables.value(emitter.slots, export.value.present, CType::Bool);
+            let text = emitter
+                .variables
+                .value(emitter.slots, export.value.present, CType::Bool);
             lines.push(format!("out->{present} = {text};"));
         }
         match export.value.ty.slots() {
             1 => {
-                let text = emitter.variables.value(emitter.slots, export.value.start, ty);
+                let text = emitter
+                    .variables
+                    .value(emitter.slots, export.value.start, ty);
                 lines.push(format!("out->{name} = {text};"));
             }
             n => {
                 let source = emitter.array(export.value.start, n, ty);
-                lines.push(format!("memcpy(out->{name}, {source}, sizeof out->{name});"));
+                lines.push(format!(
+                    "memcpy(out->{name}, {source}, sizeof out->{name});"
+                ));
             }
         }
     }
@@ -131,7 +152,10 @@ fn end(emitter: &Emitter<'_>) -> Vec<String> {
         let value = variables.value(slots, signal.start, CType::Bool);
         match signal.present {
             TRUE => value,
-            present => format!("{} && {value}", variables.value(slots, present, CType::Bool)),
+            present => format!(
+                "{} && {value}",
+                variables.value(slots, present, CType::Bool)
+            ),
         }
     };
     match &emitter.image.end {
@@ -148,88 +172,36 @@ fn end(emitter: &Emitter<'_>) -> Vec<String> {
                     CommandEndKind::Yield => format!("in->has_successor && {condition}"),
                     _ => condition,
                 };
-                lines.push(format!("if ({condition}) {{\n  out->result = {};\n}}", k + 1));
+                lines.push(format!(
+                    "if ({condition}) {{\n  out->result = {};\n}}",
+                    k + 1
+                ));
             }
             lines
         }
         CommandEnd::Ports { terminate, fail } => {
-            let ends = terminate.as_ref().map_or_else(|| "false".to_owned(), is_true);
-            let number = fail.as_ref().map_or_else(|| "0".to_owned(), |fail| {
-                let value = variables.value(slots, fail.start, CType::Int);
-                match fail.present {
-                    TRUE => value,
-                    present => {
-                        let present = variables.value(slots, present, CType::Bool);
-                        format!("{present} ? {value} : 0")
+            let ends = terminate
+                .as_ref()
+                .map_or_else(|| "false".to_owned(), is_true);
+            let number = fail.as_ref().map_or_else(
+                || "0".to_owned(),
+                |fail| {
+                    let value = variables.value(slots, fail.start, CType::Int);
+                    match fail.present {
+                        TRUE => value,
+                        present => {
+                            let present = variables.value(slots, present, CType::Bool);
+                            format!("{present} ? {value} : 0")
+                        }
                     }
-                }
-            });
+                },
+            );
             vec![
                 format!("out->terminated = {ends};"),
                 format!("out->error_number = {number};"),
             ]
         }
     }
-}
-
-fn init_function(emitter: &Emitter<'_>) -> String {
-    let name = emitter.options.name;
-    let mut lines = String::new();
-    for variable in emitter.variables.in_storage(Storage::Input) {
-        lines += &initial_values(emitter, variable, variable.slots.start, variable.slots.end());
-    }
-    format!("void {name}_init(struct {name}_in *in) {{\n  memset(in, 0, sizeof *in);\n{lines}}}\n\n")
-}
-
-/// Returns the assignments of the initial values of some slots of a variable that are not 0.
-fn initial_values(emitter: &Emitter<'_>, variable: &Variable, start: u32, end: u32) -> String {
-    let slots = (start..end).filter(|slot| emitter.slots.initial(*slot) != 0);
-    slots
-        .map(|slot| {
-            let value = initial(emitter.slots, slot, variable.ty);
-            format!("  {} = {value};\n", emitter.variables.slot(emitter.slots, slot))
-        })
-        .collect()
-}
-
-/// Returns the functions that restore the initial state: of the whole program and of fragments.
-fn resets(emitter: &Emitter<'_>) -> String {
-    let name = emitter.options.name;
-    let mut all = String::new();
-    for variable in state_variables(emitter) {
-        all += &initial_values(emitter, variable, variable.slots.start, variable.slots.end());
-    }
-    let mut out = format!("void {name}_reset({name}_state *s) {{\n  memset(s, 0, sizeof *s);\n{all}}}\n\n");
-    for fragment in &emitter.resets {
-        let Some(restored) = emitter.image.fragments.get(*fragment as usize) else {
-            continue;
-        };
-        let range = restored.state;
-        let mut lines = String::new();
-        for object in emitter.slots.objects(range.start, range.end()) {
-            let Some(variable) = emitter.variables.of(object.start) else {
-                continue;
-            };
-            let (from, to) = (object.start.max(range.start), object.end().min(range.end()));
-            lines += &restored_values(emitter, variable, from, to);
-        }
-        let path = restored.path.replace("*/", "* /");
-        out += &format!(
-            "/* Restores the state of the fragment `{path}`. */\nstatic void {name}_reset_{fragment}({name}_state *s) {{\n  (void)s;\n{lines}}}\n\n"
-        );
-    }
-    out
-}
-
-fn restored_values(emitter: &Emitter<'_>, variable: &Variable, from: u32, to: u32) -> String {
-    let (path, slots) = (emitter.variables.path(variable), emitter.slots);
-    if variable.slots.len > 1 && to - from == variable.slots.len {
-        let values = initial_values(emitter, variable, from, to);
-        return format!("  memset({path}, 0, sizeof {path});\n{values}");
-    }
-    let value = |slot| (emitter.variables.slot(slots, slot), initial(slots, slot, variable.ty));
-    let values = (from..to).map(value);
-    values.map(|(slot, value)| format!("  {slot} = {value};\n")).collect()
 }
 
 fn constants(emitter: &Emitter<'_>) -> String {
@@ -265,10 +237,19 @@ fn places(emitter: &Emitter<'_>) -> String {
         let location = emitter.image.debug.locations.get(*place as usize);
         let source = location.and_then(|l| (emitter.options.locate)(l));
         let flow = location.map_or("", |l| l.flow.as_deref().unwrap_or(&l.path));
-        let (file, line, column) = source.map_or((String::new(), 0, 0), |s| (s.file, s.line, s.column));
-        rows.push(format!("  {{0, {line}U, {column}U, \"{}\", \"{}\"}}", escaped(&file), escaped(flow)));
+        let (file, line, column) =
+            source.map_or((String::new(), 0, 0), |s| (s.file, s.line, s.column));
+        rows.push(format!(
+            "  {{0, {line}U, {column}U, \"{}\", \"{}\"}}",
+            escaped(&file),
+            escaped(flow)
+        ));
     }
-    format!("/* Places of the operations that may fault. */\nstatic const rpi_fault_report rpi_places[{}] = {{\n{}\n}};\n\n", rows.len(), rows.join(",\n"))
+    format!(
+        "/* Places of the operations that may fault. */\nstatic const rpi_fault_report rpi_places[{}] = {{\n{}\n}};\n\n",
+        rows.len(),
+        rows.join(",\n")
+    )
 }
 
 /// Returns the struct of the values of a cycle, if they are no local variables.
@@ -280,7 +261,9 @@ fn value_struct(emitter: &Emitter<'_>) -> String {
     let fields = variables.map(|v| format!("  {};\n", declarator(v.ty, &v.name, v.slots.len)));
     let fields: String = fields.collect();
     let name = emitter.options.name;
-    format!("/* Values of a cycle, on the stack. */\ntypedef struct {name}_values {{\n{fields}  char unused;\n}} {name}_values;\n\n")
+    format!(
+        "/* Values of a cycle, on the stack. */\ntypedef struct {name}_values {{\n{fields}  char unused;\n}} {name}_values;\n\n"
+    )
 }
 
 fn part_functions(name: &str, parts: &Parts) -> String {
@@ -288,7 +271,9 @@ fn part_functions(name: &str, parts: &Parts) -> String {
     for (k, nodes) in parts.functions.iter().enumerate() {
         let mut body = String::new();
         print(nodes, 1, &mut body);
-        let unused = ["cx", "s", "in", "out", "v"].iter().filter(|p| !mentions(&body, p));
+        let unused = ["cx", "s", "in", "out", "v"]
+            .iter()
+            .filter(|p| !mentions(&body, p));
         let unused: String = unused.map(|p| format!("  (void){p};\n")).collect();
         out += &format!(
             "static void {name}_part_{k}(rpi_context *cx, {name}_state *s, const {name}_in *in, {name}_out *out,\n    {name}_values *v) {{\n{unused}{body}}}\n\n"
@@ -301,14 +286,21 @@ fn step_function(emitter: &Emitter<'_>, nodes: &[Node]) -> String {
     let name = emitter.options.name;
     let mut text = String::new();
     print(nodes, 1, &mut text);
-    let mut head = format!("int32_t {name}_step({name}_state *s, const {name}_in *in, {name}_out *out) {{\n");
+    let mut head =
+        format!("int32_t {name}_step({name}_state *s, const {name}_in *in, {name}_out *out) {{\n");
     head += "  rpi_context context = {0, 0};\n  rpi_context *const cx = &context;\n";
     if emitter.variables.has_struct {
         head += &format!("  {name}_values values;\n  {name}_values *const v = &values;\n");
     } else {
         for variable in emitter.variables.in_storage(Storage::Cycle) {
             if mentions(&text, &variable.name) {
-                let zero = if variable.slots.len > 1 { "{0}" } else if variable.ty == CType::Bool { "false" } else { "0" };
+                let zero = if variable.slots.len > 1 {
+                    "{0}"
+                } else if variable.ty == CType::Bool {
+                    "false"
+                } else {
+                    "0"
+                };
                 let declared = declarator(variable.ty, &variable.name, variable.slots.len);
                 head += &format!("  {declared} = {zero};\n");
             }
@@ -330,7 +322,9 @@ fn step_function(emitter: &Emitter<'_>, nodes: &[Node]) -> String {
 fn set_points(emitter: &Emitter<'_>) -> String {
     let fields = emitter.interface.of(Direction::Output);
     let present = fields.filter(|f| matches!(f.meaning, Meaning::SetPointPresence(_)));
-    present.map(|f| format!("  out->{} = false;\n", f.name)).collect()
+    present
+        .map(|f| format!("  out->{} = false;\n", f.name))
+        .collect()
 }
 
 /// Returns the end of the cycle: its number, and the report of a fault.
@@ -340,10 +334,14 @@ fn tail(emitter: &Emitter<'_>) -> String {
         out += &format!("  s->{CYCLE} += 1U;\n");
     }
     if emitter.places.is_empty() {
-        out += "  memset(&out->fault, 0, sizeof out->fault);\n  (void)cx;\n  return RPI_NO_FAULT;\n";
+        out +=
+            "  memset(&out->fault, 0, sizeof out->fault);\n  (void)cx;\n  return RPI_NO_FAULT;\n";
         return out;
     }
-    let discard: String = set_points(emitter).lines().map(|l| format!("  {l}\n")).collect();
+    let discard: String = set_points(emitter)
+        .lines()
+        .map(|l| format!("  {l}\n"))
+        .collect();
     out += "  memset(&out->fault, 0, sizeof out->fault);\n";
     out += &format!(
         "  if (cx->fault != RPI_NO_FAULT) {{\n    out->fault = rpi_places[cx->place];\n    out->fault.code = cx->fault;\n{discard}  }}\n  return cx->fault;\n"

@@ -10,9 +10,9 @@ use crate::parts::Node;
 use crate::ports::Interface;
 use crate::slots::Slots;
 use crate::variables::{Storage, Variables, convert};
+use rpi_image::PortType;
 use rpi_image::image::{Form, Image, SlotRange, Step};
 use rpi_image::operands::OperandRole;
-use rpi_image::{PortType, PrimDesc};
 use rpi_prims::Prim;
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -90,7 +90,10 @@ impl<'a> Emitter<'a> {
                     return Vec::new();
                 };
                 let calls = calls(image, &prim.desc, form, SlotRange { start, len });
-                calls.iter().flat_map(|call| self.run(prim, form, call)).collect()
+                calls
+                    .iter()
+                    .flat_map(|call| self.run(prim, form, call))
+                    .collect()
             }
             Step::Copy { at, len } => self.copy(&copies(self.image, at, len)),
             Step::Skip { .. } => Vec::new(),
@@ -98,7 +101,9 @@ impl<'a> Emitter<'a> {
                 self.resets.insert(fragment);
                 let guard = self.variables.value(self.slots, unless, CType::Bool);
                 let name = self.options.name;
-                vec![format!("if (!{guard}) {{\n  {name}_reset_{fragment}(s);\n}}")]
+                vec![format!(
+                    "if (!{guard}) {{\n  {name}_reset_{fragment}(s);\n}}"
+                )]
             }
             Step::Actuate { actuator } => self.actuate(actuator),
             Step::Call { function } => self.call_device(function),
@@ -134,7 +139,9 @@ impl<'a> Emitter<'a> {
     }
 
     fn run(&mut self, prim: &Prim, form: Form, call: &[CallOperand<'_>]) -> Vec<String> {
-        let outputs = call.iter().filter(|o| matches!(o.0.role, OperandRole::Output(_)));
+        let outputs = call
+            .iter()
+            .filter(|o| matches!(o.0.role, OperandRole::Output(_)));
         let first_output = outputs.map(|o| o.1[0]).next();
         let mut lines: Vec<String> = Vec::new();
         lines.extend(first_output.and_then(|slot| self.place_comment(slot)));
@@ -147,10 +154,14 @@ impl<'a> Emitter<'a> {
         match (function.expression, first_output) {
             (Some(expression), Some(slot)) => {
                 let value = self.expression(expression, &function, &arguments);
-                lines.push(self.assignment(slot, port_element(prim.desc.outputs[0].ty).into(), &value));
+                lines.push(self.assignment(
+                    slot,
+                    port_element(prim.desc.outputs[0].ty).into(),
+                    &value,
+                ));
             }
             _ => {
-                lines.extend(self.declarations(&prim.desc, call));
+                lines.extend(self.declarations(call));
                 let text = format!("{}({});", function.name, arguments.join(", "));
                 // A form for all ports that are present ignores the presences of the outputs.
                 lines.push(match arguments.iter().any(|a| a == "&present") {
@@ -169,18 +180,18 @@ impl<'a> Emitter<'a> {
     /// call of its function where compilers would warn about equal or constant operands.
     fn expression(&self, expression: &str, function: &Function, arguments: &[String]) -> String {
         let operands = function.parameters.iter().zip(arguments);
-        let operands: BTreeMap<&str, &String> = operands.map(|(p, a)| (p.name.as_str(), a)).collect();
-        let ports: Vec<&String> = function.parameters.iter().zip(arguments)
-            .filter(|(p, _)| matches!(p.argument, Argument::Input(..) | Argument::Param(..)))
-            .map(|(_, a)| a)
-            .collect();
-        let distinct: BTreeSet<&String> = ports.iter().copied().collect();
-        let is_variable = |text: &&String| text.starts_with(|c: char| c.is_ascii_lowercase() && !text.starts_with("true") && !text.starts_with("false")) || text.contains("->");
-        if distinct.len() < ports.len() || !ports.iter().any(is_variable) {
+        let operands: BTreeMap<&str, &String> =
+            operands.map(|(p, a)| (p.name.as_str(), a)).collect();
+        let is_port = |name: &&str| !["cx", "at"].contains(name);
+        let ports = operands.iter().filter(|(name, _)| is_port(name));
+        let ports: Vec<&str> = ports.map(|(_, text)| text.as_str()).collect();
+        let distinct: BTreeSet<&str> = ports.iter().copied().collect();
+        if distinct.len() < ports.len() || ports.iter().all(|text| is_constant(text)) {
             return format!("{}({})", function.name, arguments.join(", "));
         }
-        let parts = tokens(expression);
-        parts.iter().map(|part| operands.get(part).map_or(*part, |a| a.as_str())).collect()
+        let parts = tokens(expression).into_iter();
+        let replaced = parts.map(|part| operands.get(part).map_or(part, |a| a.as_str()));
+        replaced.collect()
     }
 
     pub(crate) fn assignment(&self, slot: u32, ty: CType, value: &str) -> String {
@@ -199,31 +210,47 @@ impl<'a> Emitter<'a> {
     }
 
     /// Returns the declarations of the variables that a call writes.
-    fn declarations(&self, desc: &PrimDesc, call: &[CallOperand<'_>]) -> Vec<String> {
+    fn declarations(&self, call: &[CallOperand<'_>]) -> Vec<String> {
         let mut lines = Vec::new();
         for (operand, words) in call {
             let OperandRole::Output(_) = operand.role else {
                 continue;
             };
-            let _ = desc;
             let presence = operand.has_presence.then(|| words[words.len() - 1]);
             for slot in std::iter::once(words[0]).chain(presence) {
                 let variable = self.variables.of(slot);
                 let Some(variable) = variable.filter(|v| v.storage == Storage::Scope) else {
                     continue;
                 };
-                lines.push(format!("{};", declarator(variable.ty, &variable.name, variable.slots.len)));
+                lines.push(format!(
+                    "{};",
+                    declarator(variable.ty, &variable.name, variable.slots.len)
+                ));
             }
         }
         lines
     }
 
-    fn arguments(&mut self, prim: &Prim, function: &Function, call: &[CallOperand<'_>], slot: u32) -> Vec<String> {
+    fn arguments(
+        &mut self,
+        prim: &Prim,
+        function: &Function,
+        call: &[CallOperand<'_>],
+        slot: u32,
+    ) -> Vec<String> {
         let parameters = function.parameters.iter();
-        parameters.map(|p| self.argument(prim, p.argument, call, slot)).collect()
+        parameters
+            .map(|p| self.argument(prim, p.argument, call, slot))
+            .collect()
     }
 
-    fn argument(&mut self, prim: &Prim, argument: Argument, call: &[CallOperand<'_>], slot: u32) -> String {
+    fn argument(
+        &mut self,
+        prim: &Prim,
+        argument: Argument,
+        call: &[CallOperand<'_>],
+        slot: u32,
+    ) -> String {
         let find = |role: OperandRole| call.iter().find(|o| o.0.role == role);
         let state = || find(OperandRole::State).map_or(&[][..], |o| o.1);
         match argument {
@@ -261,7 +288,8 @@ impl<'a> Emitter<'a> {
             }
             Part::Presence => "true".to_owned(),
             Part::Value if is_single(ty) => {
-                self.variables.value(self.slots, words[0], CType::of(element))
+                self.variables
+                    .value(self.slots, words[0], CType::of(element))
             }
             Part::Value => {
                 let len = operand_len(*operand, words, element.slots());
@@ -279,7 +307,10 @@ impl<'a> Emitter<'a> {
             Some(_) => self.variables.pointer(self.slots, start),
             None => {
                 let name = || format!("rpi_constant_{start}_{len}");
-                self.constants.entry((start, len, ty)).or_insert_with(name).clone()
+                self.constants
+                    .entry((start, len, ty))
+                    .or_insert_with(name)
+                    .clone()
             }
         }
     }
@@ -306,7 +337,10 @@ impl<'a> Emitter<'a> {
                 let ty = self.slots.ty(to);
                 let source = self.array(from, run as u32, ty);
                 let target = self.variables.pointer(self.slots, to);
-                lines.push(format!("memcpy({target}, {source}, {run}U * sizeof({}));", ty.name()));
+                lines.push(format!(
+                    "memcpy({target}, {source}, {run}U * sizeof({}));",
+                    ty.name()
+                ));
                 rest = &rest[run..];
             } else {
                 let value = self.variables.value(self.slots, from, self.slots.ty(to));
@@ -350,6 +384,15 @@ fn close(open: &mut Vec<(usize, String, Vec<Node>)>, nodes: &mut Vec<Node>, pc: 
             });
         }
     }
+}
+
+/// Returns whether the C text of an operand is a constant.
+fn is_constant(text: &str) -> bool {
+    let is_literal = text.starts_with(|c: char| c.is_ascii_digit() || c == '(');
+    is_literal
+        || text.starts_with("INT64_")
+        || text.starts_with("rpi_")
+        || ["true", "false"].contains(&text)
 }
 
 /// Returns the declaration of a variable without the semicolon.

@@ -167,7 +167,9 @@ pub(crate) fn convert(text: &str, from: CType, to: CType) -> String {
 /// Returns the number of statements of the evaluation phase.
 fn statements(image: &Image) -> usize {
     let steps = image.steps.iter();
-    steps.map(|step| step_accesses(image, step).len().max(1) / 3 + 1).sum()
+    steps
+        .map(|step| step_accesses(image, step).len().max(1) / 3 + 1)
+        .sum()
 }
 
 /// Returns the first slots of the objects that one step writes completely.

@@ -122,7 +122,11 @@ fn write_c(net: &AnalysedNet, sources: &SourceMap, args: &CompileArgs) -> Comman
     if let Some(path) = header {
         write_result(&args.file, Some(&path), emitted.header.as_bytes())?;
     }
-    write_result(&args.file, args.output.as_deref(), emitted.source.as_bytes())?;
+    write_result(
+        &args.file,
+        args.output.as_deref(),
+        emitted.source.as_bytes(),
+    )?;
     Ok(Exit::Success)
 }
 

@@ -1,7 +1,9 @@
 //! Images of single primitives: each in-port is an input of the image, each out-port an export.
 
 use rpi_image::hash::prim_signature;
-use rpi_image::image::{Export, Fragment, InputPort, Layout, PrimUse, Signal, SlotRange, Step, TRUE};
+use rpi_image::image::{
+    Export, Fragment, InputPort, Layout, PrimUse, Signal, SlotRange, Step, TRUE,
+};
 use rpi_image::{
     Form, Image, ParamType, PortType, Scalar, ShapeArgs, SizeArgs, StateSize, Type, Value,
 };
@@ -71,7 +73,11 @@ impl ImageBuilder {
             self.export(&format!("{}.{}", prim.desc.name, port.name), ty, form);
         }
         self.state(prim, &params);
-        let known = self.image.prims_used.iter().position(|p| p.name == prim.desc.name);
+        let known = self
+            .image
+            .prims_used
+            .iter()
+            .position(|p| p.name == prim.desc.name);
         let number = known.unwrap_or(self.image.prims_used.len());
         if known.is_none() {
             self.image.prims_used.push(PrimUse {

@@ -7,12 +7,12 @@ mod image_builder;
 mod values;
 
 use image_builder::ImageBuilder;
+use rpi_c_target::{CCompiler, Lockstep};
 use rpi_codegen::Options;
 use rpi_core::CycleContext;
 use rpi_device::NoDevices;
 use rpi_image::{Form, Image, Role};
 use rpi_prims::{Prim, PrimId, registry};
-use rpi_c_target::{CCompiler, Lockstep};
 use std::sync::Arc;
 use values::Random;
 
@@ -30,16 +30,23 @@ const COMPILERS: &[&str] = &[
 ];
 
 fn compilers() -> Vec<CCompiler> {
-    let all = COMPILERS.iter().map(|c| (c, CCompiler::new(&format!("{c} {WARNINGS}"))));
+    let all = COMPILERS
+        .iter()
+        .map(|c| (c, CCompiler::new(&format!("{c} {WARNINGS}"))));
     let (installed, missing): (Vec<_>, Vec<_>) = all.partition(|(_, c)| c.is_installed());
     for (name, _) in missing {
         println!("SKIPPED: `{name}` is not installed");
     }
-    installed.into_iter().map(|(_, compiler)| compiler).collect()
+    installed
+        .into_iter()
+        .map(|(_, compiler)| compiler)
+        .collect()
 }
 
 fn cycles() -> u64 {
-    let cycles = std::env::var("RPI_C_CYCLES").ok().and_then(|text| text.parse().ok());
+    let cycles = std::env::var("RPI_C_CYCLES")
+        .ok()
+        .and_then(|text| text.parse().ok());
     cycles.unwrap_or(300)
 }
 
@@ -81,7 +88,9 @@ fn compare(image: Image, compiler: &CCompiler, seed: u64) -> Result<(), String> 
 
 fn forms(prim: &Prim) -> impl Iterator<Item = Form> {
     let total = prim.total.map(|_| Form::Total);
-    total.into_iter().chain(prim.optional.map(|_| Form::Optional))
+    total
+        .into_iter()
+        .chain(prim.optional.map(|_| Form::Optional))
 }
 
 fn with_code() -> impl Iterator<Item = &'static Prim> {
@@ -92,7 +101,12 @@ fn with_code() -> impl Iterator<Item = &'static Prim> {
 #[test]
 fn exactly_the_primitives_with_code_have_c() {
     for prim in registry() {
-        assert_eq!(prim.c.is_some(), prim.desc.role == Role::Compute, "{}", prim.desc.name);
+        assert_eq!(
+            prim.c.is_some(),
+            prim.desc.role == Role::Compute,
+            "{}",
+            prim.desc.name
+        );
     }
 }
 

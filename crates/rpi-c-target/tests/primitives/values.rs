@@ -36,7 +36,9 @@ impl Random {
             Type::Matrix(..) => Scalar::Real,
         };
         let count = ty.slots() / element.slots();
-        (0..count).flat_map(|_| self.element(cycle, element)).collect()
+        (0..count)
+            .flat_map(|_| self.element(cycle, element))
+            .collect()
     }
 
     fn element(&mut self, cycle: u64, scalar: Scalar) -> Vec<u64> {
@@ -56,7 +58,10 @@ impl Random {
         let roll = self.roll();
         match kind {
             3 => EXTREME_INTS[roll as usize % EXTREME_INTS.len()].cast_unsigned(),
-            4 => roll.cast_signed().wrapping_shr((roll % 64) as u32).cast_unsigned(),
+            4 => roll
+                .cast_signed()
+                .wrapping_shr((roll % 64) as u32)
+                .cast_unsigned(),
             _ => (roll % 21).wrapping_sub(10),
         }
     }

@@ -109,9 +109,14 @@ macro_rules! unary {
     };
 }
 
-unary!(NEGATE, "Negate", "Negated integer", i64, "rpi_int_negate(cx, at, inValue)", |cx, place, a| {
-    or_overflow_fault(cx, place, a.checked_neg())
-});
+unary!(
+    NEGATE,
+    "Negate",
+    "Negated integer",
+    i64,
+    "rpi_int_negate(cx, at, inValue)",
+    |cx, place, a| { or_overflow_fault(cx, place, a.checked_neg()) }
+);
 unary!(
     ABSOLUTE,
     "Absolute",

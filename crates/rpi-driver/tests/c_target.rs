@@ -6,11 +6,11 @@
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
+use rpi_c_target::{CCompiler, Lockstep};
 use rpi_core::CycleContext;
 use rpi_driver::emit::lower_for_c;
 use rpi_driver::{AnalysedNet, ClaimPolicy, compile, compile_node, read};
 use rpi_image::{Scalar, Type};
-use rpi_c_target::{CCompiler, Lockstep};
 use rpi_sim::robot::FolderFiles;
 use rpi_sim::{Cell, SimBank};
 use rpi_testkit::{files_below, workspace_root};
@@ -33,7 +33,9 @@ const COMPILERS: &[&str] = &[
 const WARNINGS: &str = "-Wall -Wextra -Wconversion -Wshadow -pedantic -Werror";
 
 fn compilers() -> Vec<CCompiler> {
-    let all = COMPILERS.iter().map(|c| CCompiler::new(&format!("{c} {WARNINGS}")));
+    let all = COMPILERS
+        .iter()
+        .map(|c| CCompiler::new(&format!("{c} {WARNINGS}")));
     let (installed, missing): (Vec<_>, Vec<_>) = all.partition(CCompiler::is_installed);
     for compiler in missing {
         println!("SKIPPED: not installed: {compiler:?}");
@@ -69,7 +71,10 @@ struct Random(u64);
 
 impl Random {
     fn roll(&mut self) -> u64 {
-        self.0 = self.0.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+        self.0 = self
+            .0
+            .wrapping_mul(6_364_136_223_846_793_005)
+            .wrapping_add(1_442_695_040_888_963_407);
         self.0 >> 33
     }
 
@@ -89,7 +94,9 @@ impl Random {
             Scalar::Int => vec![(self.roll() % 5).wrapping_sub(1)],
             Scalar::Time => vec![self.roll()],
             Scalar::Rotation => [0.0, 0.6, 0.0, 0.8].map(f64::to_bits).to_vec(),
-            Scalar::Pose => [1.0, 2.0, 3.0, 0.0, 0.6, 0.0, 0.8].map(f64::to_bits).to_vec(),
+            Scalar::Pose => [1.0, 2.0, 3.0, 0.0, 0.6, 0.0, 0.8]
+                .map(f64::to_bits)
+                .to_vec(),
             scalar => (0..scalar.slots()).map(|_| self.real().to_bits()).collect(),
         }
     }
@@ -100,7 +107,12 @@ impl Random {
 }
 
 /// Runs a net in the core and in C, with random inputs. Returns the number of cycles.
-fn compare(net: &AnalysedNet, cell: &Cell, compiler: &CCompiler, cycles: u64) -> Result<u64, String> {
+fn compare(
+    net: &AnalysedNet,
+    cell: &Cell,
+    compiler: &CCompiler,
+    cycles: u64,
+) -> Result<u64, String> {
     let image = Arc::new(lower_for_c(net, PERIOD_NS).map_err(|e| e.to_string())?);
     let name = rpi_codegen::program_name(&image.name);
     let options = rpi_codegen::Options {
@@ -154,21 +166,38 @@ fn commands_of_the_examples_give_the_same_bits() {
             for compiler in turns.compilers() {
                 count += 1;
                 if let Err(error) = compare(net, &cell, &compiler, COMMAND_CYCLES) {
-                    wrong.push(format!("{}: {} {compiler:?}\n{error}", path.display(), net.name));
+                    wrong.push(format!(
+                        "{}: {} {compiler:?}\n{error}",
+                        path.display(),
+                        net.name
+                    ));
                 }
             }
         }
     }
     assert!(wrong.is_empty(), "{}", wrong.join("\n"));
-    assert!(count >= 14 || turns.compilers.is_empty(), "{count} commands");
+    assert!(
+        count >= 14 || turns.compilers.is_empty(),
+        "{count} commands"
+    );
 }
 
 /// Returns the names that follow `node` or `function` in a program.
 fn declared_nodes(text: &str) -> Vec<String> {
     let words: Vec<&str> = text.split_whitespace().collect();
-    let after = words.windows(2).filter(|w| ["node", "function"].contains(&w[0]));
-    let name = |word: &str| word.split(['(', '<', ';', ':']).next().unwrap_or("").to_owned();
-    after.map(|w| name(w[1])).filter(|name| !name.is_empty()).collect()
+    let after = words
+        .windows(2)
+        .filter(|w| ["node", "function"].contains(&w[0]));
+    let name = |word: &str| {
+        word.split(['(', '<', ';', ':'])
+            .next()
+            .unwrap_or("")
+            .to_owned()
+    };
+    after
+        .map(|w| name(w[1]))
+        .filter(|name| !name.is_empty())
+        .collect()
 }
 
 /// Compares all nodes of the programs in a folder. Returns the number of nodes.
@@ -229,7 +258,9 @@ fn the_text_is_the_same_each_time() {
         };
         let emitted = compiled.nets().iter();
         let emitted = emitted.map(|net| rpi_driver::emit::c(net, &compiled.sources, &options));
-        emitted.map(|emitted| emitted.expect("it lowers").source).collect()
+        emitted
+            .map(|emitted| emitted.expect("it lowers").source)
+            .collect()
     };
     assert_eq!(text(), text());
 }
