@@ -264,3 +264,117 @@ fn the_text_is_the_same_each_time() {
     };
     assert_eq!(text(), text());
 }
+
+/// Program with an operation that compilers like to contract, and a counter that overflows in line 4.
+const PROGRAM: &str = "node Filter (x: real; n: int) returns (y: real; m: int);
+let
+  y = (0.0 -> pre y) * 0.9 + x;
+  m = n * n;
+tel
+";
+
+fn program() -> rpi_driver::CompiledNode {
+    let input = rpi_driver::Input {
+        path: "filter.rpi".into(),
+        kind: rpi_driver::InputKind::Rpi,
+        bytes: PROGRAM.as_bytes().to_vec(),
+    };
+    compile_node(&input, Some("Filter"), ClaimPolicy::Off, false).expect("it compiles")
+}
+
+fn emitted() -> rpi_codegen::Emitted {
+    let compiled = program();
+    let options = rpi_driver::emit::COptions {
+        period_ns: PERIOD_NS,
+        header: None,
+        line_directives: false,
+        origin: String::new(),
+    };
+    let node = compiled.node.expect("it has no errors");
+    rpi_driver::emit::c(&node.net, &compiled.sources, &options).expect("it lowers")
+}
+
+/// Runs requests to the program of a text. Returns the output, or the messages of the compiler.
+fn run(text: &str, options: &str, requests: &str) -> Result<String, String> {
+    use std::io::Write;
+    let compiled = program();
+    let node = compiled.node.expect("it has no errors");
+    let image = lower_for_c(&node.net, PERIOD_NS).expect("it lowers");
+    let text = text.to_owned() + &rpi_codegen::driver(&image, "Filter", &emitted().interface);
+    let compiler = CCompiler::new(&format!("gcc -std=c99 {options}"));
+    let binary = compiler.compile(&text).map_err(|e| e.to_string())?;
+    let mut command = std::process::Command::new(binary.path());
+    let piped = std::process::Stdio::piped;
+    let child = command.stdin(piped()).stdout(piped()).spawn();
+    let mut child = child.expect("it starts");
+    let mut pipe = child.stdin.take().expect("it has a pipe");
+    pipe.write_all(requests.as_bytes()).expect("it reads");
+    drop(pipe);
+    let output = child.wait_with_output().expect("it ends");
+    Ok(String::from_utf8_lossy(&output.stdout).into_owned())
+}
+
+fn has_gcc() -> bool {
+    let found = CCompiler::new("gcc").is_installed();
+    if !found {
+        println!("SKIPPED: gcc is not installed");
+    }
+    found
+}
+
+#[test]
+fn the_text_does_not_compile_with_fast_mathematics() {
+    if has_gcc() {
+        let error = run(&emitted().source, "-O2 -ffast-math", "t\n");
+        assert!(error.is_err_and(|e| e.contains("IEEE 754")));
+    }
+}
+
+#[test]
+fn the_self_test_detects_contraction() {
+    if !has_gcc() {
+        return;
+    }
+    let text = emitted().source;
+    let cpu = std::fs::read_to_string("/proc/cpuinfo").unwrap_or_default();
+    if !cpu.split_whitespace().any(|flag| flag == "fma") {
+        return println!("SKIPPED: the processor has no fused multiplication and addition");
+    }
+    let options = "-O2 -mfma -ffp-contract=fast";
+    assert_eq!(run(&text, options, "t\n"), Ok("1\n".to_owned()));
+    let pragma = "#pragma GCC optimize(\"fp-contract=off\")";
+    assert!(text.contains(pragma));
+    let without = text.replace(pragma, "");
+    assert_eq!(run(&without, options, "t\n"), Ok("0\n".to_owned()));
+}
+
+#[test]
+fn a_fault_has_a_code_and_the_line_of_the_program() {
+    if has_gcc() {
+        let output = run(&emitted().source, "-O2", "s 0 2\ns 0 7fffffffffffffff\n");
+        let lines: Vec<String> = output
+            .expect("it compiles")
+            .lines()
+            .map(str::to_owned)
+            .collect();
+        assert_eq!(lines[0], "0 0 0 4");
+        assert!(lines[1].starts_with("1 4 "), "{lines:?}");
+    }
+}
+
+#[test]
+fn the_header_and_the_source_are_two_files_on_request() {
+    let compiled = program();
+    let options = rpi_driver::emit::COptions {
+        period_ns: PERIOD_NS,
+        header: Some("filter.h".to_owned()),
+        line_directives: true,
+        origin: "Compiled by a test.".to_owned(),
+    };
+    let node = compiled.node.expect("it has no errors");
+    let emitted = rpi_driver::emit::c(&node.net, &compiled.sources, &options).expect("it lowers");
+    assert!(emitted.header.contains("int32_t Filter_step("));
+    assert!(emitted.source.contains("#include \"filter.h\""));
+    assert!(emitted.source.contains("#line 4 \"filter.rpi\""));
+    assert!(!emitted.source.contains("typedef struct Filter_in"));
+}

@@ -104,7 +104,10 @@ fn show_form(
 
 /// Writes a net as C: a source file, and a header beside it unless a single file is requested.
 fn write_c(net: &AnalysedNet, sources: &SourceMap, args: &CompileArgs) -> CommandResult {
-    let header = args.output.as_ref().filter(|_| !args.single_file);
+    // An output that is itself called a header has all declarations.
+    let is_header = |path: &PathBuf| path.extension().is_some_and(|ending| ending == "h");
+    let header = args.output.as_ref();
+    let header = header.filter(|path| !args.single_file && !is_header(path));
     let header = header.map(|path| path.with_extension("h"));
     let include = header.as_deref().and_then(Path::file_name);
     let source = args.file.file_name().unwrap_or_default();
