@@ -232,7 +232,7 @@ fn a_text_that_cannot_be_read_is_not_formatted() {
 fn every_form_can_be_shown() {
     let program = example("first/first.rpi");
     let forms = [
-        "tokens", "ast", "typed", "net", "schedule", "image", "dot", "mermaid", "rpinet",
+        "tokens", "ast", "typed", "net", "schedule", "image", "dot", "mermaid", "rpinet", "c",
     ];
     for form in forms {
         let output = rpic(&["compile", &program, "--emit", form]);
