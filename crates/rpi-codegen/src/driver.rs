@@ -16,6 +16,9 @@ use rpi_image::image::Image;
 #[must_use]
 pub fn driver(image: &Image, name: &str, interface: &Interface) -> String {
     let mut out = include_str!("driver.c").to_owned();
+    if !image.functions.is_empty() {
+        out += include_str!("driver_call.c");
+    }
     for (k, function) in (0..).zip(&image.functions) {
         let arguments: u32 = function.arguments.iter().map(|a| a.len).sum();
         let results: u32 = function.results.iter().map(|r| r.len).sum();

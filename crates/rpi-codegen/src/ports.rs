@@ -77,6 +77,8 @@ impl Interface {
             outputs: Names::default(),
             interface: Interface::default(),
         };
+        builder.inputs.unique("device");
+        builder.outputs.unique("fault");
         builder.inputs(image);
         builder.outputs(image);
         builder.interface

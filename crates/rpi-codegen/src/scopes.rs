@@ -9,6 +9,8 @@ use rpi_image::image::{Image, Step};
 /// Lifetime of a value slot.
 #[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Debug)]
 pub(crate) enum Lifetime {
+    /// No step or table reads the slot.
+    Unread,
     /// All readers are inside of the scope of the writer: a variable that is declared where it is written.
     Scope,
     /// Written in a scope and read only while the guards of that scope are true: a variable of the whole cycle.
@@ -40,7 +42,7 @@ pub(crate) fn lifetimes(image: &Image) -> Vec<Lifetime> {
         image,
         writers: vec![None; count],
         positions: vec![Position::default()],
-        lifetimes: vec![Lifetime::Scope; count],
+        lifetimes: vec![Lifetime::Unread; count],
         next_scope: 0,
     };
     tracker.phase(&image.steps);

@@ -8,7 +8,7 @@ use crate::initial::{init_function, resets};
 use crate::literals::literal;
 use crate::parts::{Node, Parts, print};
 use crate::ports::{Direction, Meaning};
-use crate::statements::{Emitter, declarator, escaped};
+use crate::statements::{Emitter, declarator, escaped, zero};
 use crate::support::needed;
 use crate::variables::Storage;
 use rpi_image::CommandFlow;
@@ -294,15 +294,8 @@ fn step_function(emitter: &Emitter<'_>, nodes: &[Node]) -> String {
     } else {
         for variable in emitter.variables.in_storage(Storage::Cycle) {
             if mentions(&text, &variable.name) {
-                let zero = if variable.slots.len > 1 {
-                    "{0}"
-                } else if variable.ty == CType::Bool {
-                    "false"
-                } else {
-                    "0"
-                };
                 let declared = declarator(variable.ty, &variable.name, variable.slots.len);
-                head += &format!("  {declared} = {zero};\n");
+                head += &format!("  {declared} = {};\n", zero(variable));
             }
         }
     }
@@ -312,7 +305,7 @@ fn step_function(emitter: &Emitter<'_>, nodes: &[Node]) -> String {
         }
     }
     if emitter.variables.has_struct {
-        head += "  (void)v;\n";
+        head += "  memset(v, 0, sizeof *v);\n";
     }
     head += &set_points(emitter);
     format!("{head}{text}{}}}\n\n", tail(emitter))

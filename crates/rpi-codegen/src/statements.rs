@@ -8,8 +8,9 @@ use crate::identifiers::tokens;
 use crate::literals::literal;
 use crate::parts::Node;
 use crate::ports::Interface;
+use crate::scopes::Lifetime;
 use crate::slots::Slots;
-use crate::variables::{Storage, Variables, convert};
+use crate::variables::{Storage, Variable, Variables, convert};
 use rpi_image::PortType;
 use rpi_image::image::{Form, Image, SlotRange, Step};
 use rpi_image::operands::OperandRole;
@@ -203,10 +204,24 @@ impl<'a> Emitter<'a> {
             true => value.to_owned(),
             false => convert(&format!("({value})"), ty, variable.ty),
         };
+        if self.is_unread(variable) {
+            // The operation may fault, so a call stays.
+            return match value.contains('(') {
+                true => format!("(void)({value});"),
+                false => String::new(),
+            };
+        }
         match variable.storage {
             Storage::Scope => format!("const {} {target} = {value};", variable.ty.name()),
             _ => format!("{target} = {value};"),
         }
+    }
+
+    /// Returns whether no step and no table reads a variable of a cycle. Compilers warn about such variables.
+    fn is_unread(&self, variable: &Variable) -> bool {
+        let mut slots = variable.slots.start..variable.slots.end();
+        matches!(variable.storage, Storage::Scope | Storage::Cycle)
+            && slots.all(|slot| self.slots.lifetime(slot) == Lifetime::Unread)
     }
 
     /// Returns the declarations of the variables that a call writes.
@@ -222,10 +237,9 @@ impl<'a> Emitter<'a> {
                 let Some(variable) = variable.filter(|v| v.storage == Storage::Scope) else {
                     continue;
                 };
-                lines.push(format!(
-                    "{};",
-                    declarator(variable.ty, &variable.name, variable.slots.len)
-                ));
+                // An absent output keeps this value, which is passed on with its presence.
+                let declared = declarator(variable.ty, &variable.name, variable.slots.len);
+                lines.push(format!("{declared} = {};", zero(variable)));
             }
         }
         lines
@@ -400,6 +414,15 @@ pub(crate) fn declarator(ty: CType, name: &str, len: u32) -> String {
     match len {
         1 => format!("{} {name}", ty.name()),
         len => format!("{} {name}[{len}]", ty.name()),
+    }
+}
+
+/// Returns the C text of the value 0 for a variable.
+pub(crate) fn zero(variable: &Variable) -> &'static str {
+    match (variable.slots.len, variable.ty) {
+        (1, CType::Bool) => "false",
+        (1, _) => "0",
+        _ => "{0}",
     }
 }
 

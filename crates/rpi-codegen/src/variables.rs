@@ -87,7 +87,7 @@ impl Variables {
         let declared = whole.contains(&object.start) && !self.has_struct;
         match lifetimes.max() {
             Some(Lifetime::Permanent) => Storage::State,
-            Some(Lifetime::Scope) if declared => Storage::Scope,
+            Some(Lifetime::Scope | Lifetime::Unread) if declared => Storage::Scope,
             _ => Storage::Cycle,
         }
     }

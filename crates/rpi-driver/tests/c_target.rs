@@ -351,13 +351,19 @@ fn the_self_test_detects_contraction() {
 #[test]
 fn a_fault_has_a_code_and_the_line_of_the_program() {
     if has_gcc() {
-        let output = run(&emitted().source, "-O2", "s 0 2\ns 0 7fffffffffffffff\n");
-        let lines: Vec<String> = output
-            .expect("it compiles")
-            .lines()
-            .map(str::to_owned)
-            .collect();
-        assert_eq!(lines[0], "0 0 0 4");
+        let emitted = emitted();
+        let request = |n: &str| {
+            let fields = emitted.interface.of(rpi_codegen::Direction::Input);
+            let words = fields.map(|f| if f.name == "n" { n } else { "0" });
+            format!("s {}\n", words.collect::<Vec<_>>().join(" "))
+        };
+        let requests = request("2") + &request("7fffffffffffffff");
+        let output = run(&emitted.source, "-O2", &requests).expect("it compiles");
+        let lines: Vec<&str> = output.lines().collect();
+        assert!(
+            lines.len() == 2 && lines[0].starts_with("0 0 "),
+            "{lines:?}"
+        );
         assert!(lines[1].starts_with("1 4 "), "{lines:?}");
     }
 }
