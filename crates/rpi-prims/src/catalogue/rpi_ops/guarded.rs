@@ -115,7 +115,7 @@ unary!(
     "Negated integer",
     i64,
     "rpi_int_negate(cx, at, inValue)",
-    |cx, place, a| { or_overflow_fault(cx, place, a.checked_neg()) }
+    |cx, place, a| or_overflow_fault(cx, place, a.checked_neg())
 );
 unary!(
     ABSOLUTE,
