@@ -304,7 +304,7 @@ static void rpi_otg(double position, double velocity, double goal, double goal_v
     const double m = rpi_floor((1.0 + rpi_sqrt(1.0 + 8.0 * rpi_abs(z))) / 2.0);
     const double sign = z > 0.0 ? 1.0 : (z < 0.0 ? -1.0 : 0.0);
     const double sigma = speed + z / m + (m - 1.0) / 2.0 * sign;
-    const double room = most_velocity - most_acceleration * dt + velocity * rpi_copy_sign(1.0, sigma);
+    const double room = most_velocity - most_acceleration * dt + velocity * (rpi_is_nan(sigma) ? 1.0 : rpi_copy_sign(1.0, sigma));
     acceleration = room < 0.0 ? 0.0 : -most_acceleration * rpi_bounded(sigma, -1.0, 1.0);
     next = velocity + acceleration * dt;
   }

@@ -101,7 +101,13 @@ pub(crate) fn step(
         return (from.0 + from.1 * dt, from.1, 0.0);
     }
     let sigma = sliding_variable(from, to, max_acceleration, dt);
-    let room = max_velocity - max_acceleration * dt + from.1 * libm::copysign(1.0, sigma);
+    // The sign of not-a-number depends on the processor and on the order of operands.
+    let direction = if sigma.is_nan() {
+        1.0
+    } else {
+        libm::copysign(1.0, sigma)
+    };
+    let room = max_velocity - max_acceleration * dt + from.1 * direction;
     let acceleration = if room < 0.0 {
         0.0
     } else {
