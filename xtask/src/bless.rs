@@ -61,6 +61,12 @@ const SUITES: &[Suite] = &[
         tests: &["-p", "rpi-doc", "--test", "pages", "a_page_is_what_it_was"],
     },
     Suite {
+        name: "editor",
+        files: "crates/rpi-lsp/tests/cases",
+        tools: &[],
+        tests: &["-p", "rpi-lsp", "--test", "it", "recorded"],
+    },
+    Suite {
         name: "snapshots",
         files: "**/*.snap",
         tools: &[],

@@ -6,6 +6,7 @@ mod draw;
 mod fuzz;
 mod lustre;
 mod task_error;
+mod tree_sitter;
 
 use std::process::ExitCode;
 
@@ -43,6 +44,11 @@ const TASKS: &[Task] = &[
         "fuzz",
         "fuzz an entry (checker, image, importer, recording, trace, cell, parser, lexer): ENTRY [--seconds N]",
         fuzz::fuzz,
+    ),
+    (
+        "tree-sitter",
+        "test the grammar for tree-sitter on the programs of the repository",
+        tree_sitter::tree_sitter,
     ),
     (
         "lustre-corpus",

@@ -10,6 +10,7 @@ from dataclasses import dataclass
 from types import TracebackType
 from typing import TYPE_CHECKING, Any, Callable
 
+from ._states import OnLoss
 from ._wire import Wire, open_wire
 
 if TYPE_CHECKING:
@@ -26,6 +27,8 @@ class RpiError(Exception):
     ``code`` is one of the server's (see its manual), ``reasons`` has every reason where there are several.
     """
 
+    #: Code of a request about an object that does not exist.
+    UNKNOWN = -32001
     #: Code of a request for which the role of the client has no right.
     FORBIDDEN = -32009
 
@@ -75,15 +78,20 @@ class Core:
         text = json.dumps(request, allow_nan=False)
         answer: asyncio.Future[Any] = asyncio.get_running_loop().create_future()
         self._waiting[number] = answer
-        await self._wire.send(text)
+        try:
+            await self._wire.send(text)
+        except BaseException:
+            # Nobody waits for the answer any more.
+            self._waiting.pop(number, None)
+            raise
         return await answer
 
-    async def open_session(self, name: str, on_loss: str = "cancel", grace: float | None = None) -> Session:
-        """Opens a session; ``on_loss`` (``cancel``, ``run-on``, ``abort``) says what becomes of its commands without us, and
+    async def open_session(self, name: str, on_loss: OnLoss | str = OnLoss.CANCEL, grace: float | None = None) -> Session:
+        """Opens a session; ``on_loss`` says what becomes of its commands without us, and
         ``grace`` within how many seconds a cancelled command must end before it is aborted."""
         from ._goal import Session
 
-        opened = await self.call("session.open", name=name, on_loss=on_loss, grace=grace)
+        opened = await self.call("session.open", name=name, on_loss=str(on_loss), grace=grace)
         return Session(self, opened["session"])
 
     async def identity(self) -> Identity:
@@ -152,6 +160,8 @@ class Core:
         for answer in self._waiting.values():
             if not answer.done():
                 answer.set_exception(ConnectionError(GONE))
+                # A call whose request could not be sent does not wait for its answer any more.
+                answer.exception()
         for listeners in self._listeners.values():
             for listener in listeners:
                 listener({"gone": True})

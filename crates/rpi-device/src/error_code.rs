@@ -93,6 +93,17 @@ impl ErrorCode {
     pub const CONTROLLER_STOPPED: Self = Self(33);
     /// A safety function of the controller has stopped the arm. An operator must clear the cause and release it there.
     pub const PROTECTIVE_STOP: Self = Self(34);
+    /// A chunk of joint positions is not accepted: its period, its number of rows, a number or an option is out of range.
+    pub const CHUNK_INVALID: Self = Self(35);
+    /// A chunk of joint positions is too old: fewer than 4 of its rows lie in the future.
+    pub const CHUNK_STALE: Self = Self(36);
+    /// A chunk of joint positions was to be appended, but too many rows are still to be executed.
+    pub const CHUNK_FULL: Self = Self(37);
+
+    /// An event on the path of a motion did not occur: the motion ended, or another one took over, before its place.
+    pub const EVENT_MISSED: Self = Self(38);
+    /// The place of an event is not on the path of its motion.
+    pub const NO_SUCH_PLACE: Self = Self(39);
 
     /// True for a code whose report carries a place on the path of the tool, as `value`, and the length of the path, as
     /// `limit`, both in m.
@@ -310,5 +321,30 @@ pub const ERROR_CODES: &[ErrorCodeInfo] = &[
         ErrorCode::PROTECTIVE_STOP,
         "protective-stop",
         "a safety function of the controller has stopped the arm; clear the cause and unlock it at the controller",
+    ),
+    line(
+        ErrorCode::CHUNK_INVALID,
+        "chunk-invalid",
+        "the period, the number of rows, a number or an option of the chunk is out of range; the arm follows the chunk before",
+    ),
+    line(
+        ErrorCode::CHUNK_STALE,
+        "chunk-stale",
+        "fewer than 4 rows of the chunk lie in the future; the arm follows the chunk before. Send longer chunks, or sooner",
+    ),
+    line(
+        ErrorCode::CHUNK_FULL,
+        "chunk-full",
+        "more than 400 rows would be left to execute; the chunk is not appended. Send it later",
+    ),
+    line(
+        ErrorCode::EVENT_MISSED,
+        "event-missed",
+        "an event on the path did not occur, because the motion ended or another one took over before its place",
+    ),
+    line(
+        ErrorCode::NO_SUCH_PLACE,
+        "no-such-place",
+        "the place of an event is not on the path of its motion; correct the place, or the point or zone from which it counts",
     ),
 ];

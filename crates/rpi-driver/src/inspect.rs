@@ -72,6 +72,11 @@ impl Inspection {
         self.modules.own_items()
     }
 
+    /// Returns the declarations of all modules, those of the main module first.
+    pub fn items(&self) -> impl Iterator<Item = &Item> {
+        self.modules.items()
+    }
+
     /// Returns the names of all modules of the program, the main module first.
     pub fn modules(&self) -> impl Iterator<Item = &str> {
         self.modules.names()

@@ -37,6 +37,16 @@ pub(crate) fn source_path(name: &str) -> PathBuf {
     library_path(name).unwrap_or_else(|| PathBuf::from(name))
 }
 
+/// Returns whether a path, or a name of a source file in diagnostics, is that of a built-in text or of its copy.
+pub(crate) fn is_builtin(path: &Path) -> bool {
+    let name = path
+        .to_str()
+        .and_then(|name| name.strip_prefix(LIBRARY_PREFIX));
+    let module = name.and_then(|name| name.strip_suffix(".rpi"));
+    let is_library = module.is_some_and(|module| rpi_driver::library_text(module).is_some());
+    is_library || path.starts_with(&*CACHE_DIR)
+}
+
 fn library_path(name: &str) -> Option<PathBuf> {
     let module = name.strip_prefix(LIBRARY_PREFIX)?.strip_suffix(".rpi")?;
     write_once(name, rpi_driver::library_text(module)?)
@@ -58,14 +68,27 @@ fn write_once(name: &str, text: &str) -> Option<PathBuf> {
     path.or_insert_with(|| write_copy(name, text)).clone()
 }
 
-/// Writes a text to a file of the cache, unless the file already has this content. Returns the path of the file; `None`
-/// if it cannot be written.
+/// Writes a text to a file of the cache that is marked as read-only, unless the file already has this content. Returns
+/// the path of the file; `None` if it cannot be written.
 fn write_copy(name: &str, text: &str) -> Option<PathBuf> {
     let path = CACHE_DIR.join(name);
     let is_there = std::fs::read(&path).is_ok_and(|old| old == text.as_bytes());
     if !is_there {
         std::fs::create_dir_all(path.parent().unwrap_or(Path::new(""))).ok()?;
+        // An old copy is read-only, and is replaced as a whole.
+        let _ = std::fs::remove_file(&path);
         std::fs::write(&path, text).ok()?;
     }
+    mark_read_only(&path);
     Some(path)
+}
+
+/// Marks a file as read-only, so that editors open it without offering to change it. On a file system without this mark
+/// the copy stays writable, and changes to it have no effect.
+fn mark_read_only(path: &Path) {
+    if let Ok(metadata) = std::fs::metadata(path) {
+        let mut permissions = metadata.permissions();
+        permissions.set_readonly(true);
+        let _ = std::fs::set_permissions(path, permissions);
+    }
 }

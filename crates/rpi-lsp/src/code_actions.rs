@@ -1,17 +1,18 @@
 //! Code actions: one for each fix of a diagnostic in the requested range, and one that applies all sure fixes.
 
-use std::collections::{BTreeMap, HashMap};
+use std::collections::BTreeMap;
 use std::path::PathBuf;
 
 use lsp_types::{
-    CodeAction, CodeActionKind, CodeActionParams, CodeActionResponse, DocumentChanges, OneOf,
-    OptionalVersionedTextDocumentIdentifier, Range, TextDocumentEdit, TextEdit, WorkspaceEdit,
+    CodeAction, CodeActionKind, CodeActionParams, CodeActionResponse, Range, TextEdit,
+    WorkspaceEdit,
 };
-use rpi_diag::{Applicability, Diagnostic, Edit, Fix};
+use rpi_diag::{Applicability, Diagnostic, Edit, FileId, Fix, Span};
 
 use crate::capabilities::FIX_ALL;
 use crate::locations::LocationMap;
 use crate::workspace::Workspace;
+use crate::{refactor, uri};
 
 /// Handles `textDocument/codeAction`: returns an action for each fix of the diagnostics in the requested range, and one
 /// that applies all sure fixes. Returns `None` if the document is not open.
@@ -39,9 +40,27 @@ pub(crate) fn code_actions(
         actions.push(CodeAction {
             title: "apply all sure fixes".to_owned(),
             kind: Some(FIX_ALL),
-            edit: Some(workspace_edit(world, &places, &edits)),
+            edit: Some(edit_of(world, &places, &edits)),
             ..CodeAction::default()
         });
+    }
+    let path = uri::to_path(&uri);
+    let selection = Span::new(
+        FileId(0),
+        places.offset(params.range.start),
+        places.offset(params.range.end),
+    );
+    let only = params.context.only.as_deref();
+    // Each refactoring is checked, which takes as long as an analysis of the document.
+    if only.is_none_or(|only| only.iter().any(is_refactoring)) {
+        for one in refactor::refactorings(world, &path, &seen, selection) {
+            actions.push(CodeAction {
+                title: one.title,
+                kind: Some(one.kind),
+                edit: Some(edit_of(world, &places, &one.edits)),
+                ..CodeAction::default()
+            });
+        }
     }
     let wanted = |action: &CodeAction| matches_filter(params.context.only.as_deref(), action);
     Some(actions.into_iter().filter(wanted).map(Into::into).collect())
@@ -56,10 +75,15 @@ fn quick_fix(
     CodeAction {
         title: format!("{} ({})", fix.title, diagnostic.code),
         kind: Some(CodeActionKind::QUICKFIX),
-        edit: Some(workspace_edit(world, places, &fix.edits)),
+        edit: Some(edit_of(world, places, &fix.edits)),
         is_preferred: Some(fix.applicability == Applicability::Sure),
         ..CodeAction::default()
     }
+}
+
+fn is_refactoring(kind: &CodeActionKind) -> bool {
+    let kind = kind.as_str();
+    kind.is_empty() || kind.split('.').next() == Some(CodeActionKind::REFACTOR.as_str())
 }
 
 /// Returns whether the client requested an action of this kind; `only` holds the requested kinds, and `None` stands for
@@ -68,7 +92,9 @@ fn matches_filter(only: Option<&[CodeActionKind]>, action: &CodeAction) -> bool 
     let kind = action.kind.as_ref().map_or("", |kind| kind.as_str());
     let covers = |wanted: &CodeActionKind| {
         let rest = kind.strip_prefix(wanted.as_str());
-        rest.is_some_and(|rest| rest.is_empty() || rest.starts_with('.'))
+        rest.is_some_and(|rest| {
+            rest.is_empty() || rest.starts_with('.') || wanted.as_str().is_empty()
+        })
     };
     only.is_none_or(|only| only.iter().any(covers))
 }
@@ -77,44 +103,11 @@ fn overlaps(a: Range, b: Range) -> bool {
     a.start <= b.end && b.start <= a.end
 }
 
-fn workspace_edit(world: &Workspace, places: &LocationMap<'_>, edits: &[Edit]) -> WorkspaceEdit {
+fn edit_of(world: &Workspace, places: &LocationMap<'_>, edits: &[Edit]) -> WorkspaceEdit {
     let mut files: BTreeMap<PathBuf, Vec<TextEdit>> = BTreeMap::new();
     for edit in edits {
         let of_file = files.entry(places.file(edit.span)).or_default();
         of_file.push(TextEdit::new(places.range(edit.span), edit.text.clone()));
     }
-    match world.client.versioned_edits {
-        true => versioned_edit(world, files),
-        false => unversioned_edit(world, files),
-    }
-}
-
-/// Returns an edit of several files that names the version of each open document. The client rejects the edit if a
-/// document has another version.
-fn versioned_edit(world: &Workspace, files: BTreeMap<PathBuf, Vec<TextEdit>>) -> WorkspaceEdit {
-    let edit = |(path, edits): (PathBuf, Vec<TextEdit>)| {
-        Some(TextDocumentEdit {
-            text_document: OptionalVersionedTextDocumentIdentifier {
-                uri: world.uri_of(&path)?,
-                version: world.version_of(&path),
-            },
-            edits: edits.into_iter().map(OneOf::Left).collect(),
-        })
-    };
-    let edits = files.into_iter().filter_map(edit).collect();
-    WorkspaceEdit {
-        document_changes: Some(DocumentChanges::Edits(edits)),
-        ..WorkspaceEdit::default()
-    }
-}
-
-// The type is given by the protocol, and its keys are never mutated.
-#[allow(clippy::mutable_key_type)]
-fn unversioned_edit(world: &Workspace, files: BTreeMap<PathBuf, Vec<TextEdit>>) -> WorkspaceEdit {
-    let edit = |(path, edits): (PathBuf, Vec<TextEdit>)| Some((world.uri_of(&path)?, edits));
-    let changes: HashMap<_, _> = files.into_iter().filter_map(edit).collect();
-    WorkspaceEdit {
-        changes: Some(changes),
-        ..WorkspaceEdit::default()
-    }
+    crate::workspace_edit::workspace_edit(world, files)
 }

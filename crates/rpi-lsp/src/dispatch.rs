@@ -1,22 +1,36 @@
-//! Tables of the supported requests and notifications, with their handlers.
+//! Table of the supported requests, with their handlers.
 
-use lsp_server::{ErrorCode, Request};
-use lsp_types::notification;
-use lsp_types::notification::Notification as _;
+use lsp_server::{ErrorCode, RequestId};
 use lsp_types::request;
 use lsp_types::request::Request as _;
-use lsp_types::{
-    DidChangeTextDocumentParams, DidChangeWatchedFilesParams,
-    DidChangeWatchedFilesRegistrationOptions, DidCloseTextDocumentParams,
-    DidOpenTextDocumentParams, FileSystemWatcher, GlobPattern, InitializedParams, Registration,
-    RegistrationParams,
-};
 use serde_json::Value;
 
 use crate::workspace::Workspace;
-use crate::{code_actions, completion, formatting, hover, navigation, symbols};
+use crate::{
+    call_hierarchy, code_actions, code_lenses, completion, document_links, folding, formatting,
+    highlights, hover, inlay_hints, linked_editing, navigation, pull_diagnostics, references,
+    rename, selection_ranges, semantic_tokens, signature_help, symbols, workspace_symbols,
+};
 
-type RequestResult = Result<Value, (ErrorCode, String)>;
+/// Error response to a request.
+#[derive(Clone, PartialEq, Eq, Debug)]
+pub(crate) struct RequestError {
+    /// Code of the protocol.
+    pub(crate) code: i32,
+    /// Description of the error for the user.
+    pub(crate) message: String,
+}
+
+impl RequestError {
+    pub(crate) fn new(code: ErrorCode, message: String) -> RequestError {
+        RequestError {
+            code: code as i32,
+            message,
+        }
+    }
+}
+
+type RequestResult = Result<Value, RequestError>;
 
 /// Entry of the table of requests: the method name, and the function that handles the request and returns its result.
 type RequestHandler = (&'static str, fn(&mut Workspace, Value) -> RequestResult);
@@ -25,22 +39,77 @@ macro_rules! request_handler {
     ($request:ty, $answer:path) => {
         (<$request>::METHOD, |world, params| {
             let params = serde_json::from_value(params)
-                .map_err(|e| (ErrorCode::InvalidParams, e.to_string()))?;
+                .map_err(|e| RequestError::new(ErrorCode::InvalidParams, e.to_string()))?;
             serde_json::to_value($answer(world, params))
-                .map_err(|e| (ErrorCode::InternalError, e.to_string()))
+                .map_err(|e| RequestError::new(ErrorCode::InternalError, e.to_string()))
+        })
+    };
+}
+
+/// As `request_handler`, for a function that returns an error of the protocol if the request is rejected.
+macro_rules! fallible_handler {
+    ($request:ty, $answer:path) => {
+        (<$request>::METHOD, |world, params| {
+            let params = serde_json::from_value(params)
+                .map_err(|e| RequestError::new(ErrorCode::InvalidParams, e.to_string()))?;
+            serde_json::to_value($answer(world, params)?)
+                .map_err(|e| RequestError::new(ErrorCode::InternalError, e.to_string()))
         })
     };
 }
 
 const REQUESTS: &[RequestHandler] = &[
     request_handler!(request::HoverRequest, hover::hover),
+    request_handler!(
+        request::SignatureHelpRequest,
+        signature_help::signature_help
+    ),
     request_handler!(request::GotoDefinition, navigation::definition),
-    request_handler!(request::References, navigation::references),
-    request_handler!(request::DocumentHighlightRequest, navigation::highlights),
+    request_handler!(request::GotoTypeDefinition, navigation::type_definition),
+    request_handler!(request::References, references::references),
+    request_handler!(request::DocumentHighlightRequest, highlights::highlights),
+    request_handler!(request::LinkedEditingRange, linked_editing::linked_editing),
+    fallible_handler!(request::PrepareRenameRequest, rename::prepare),
+    fallible_handler!(request::Rename, rename::rename),
+    request_handler!(request::CallHierarchyPrepare, call_hierarchy::prepare),
+    request_handler!(
+        request::CallHierarchyIncomingCalls,
+        call_hierarchy::incoming
+    ),
+    request_handler!(
+        request::CallHierarchyOutgoingCalls,
+        call_hierarchy::outgoing
+    ),
     request_handler!(request::DocumentSymbolRequest, symbols::symbols),
+    request_handler!(request::WorkspaceSymbolRequest, workspace_symbols::symbols),
     request_handler!(request::Completion, completion::completion),
+    request_handler!(request::ResolveCompletionItem, completion::resolve),
     request_handler!(request::Formatting, formatting::formatting),
+    request_handler!(request::RangeFormatting, formatting::range_formatting),
     request_handler!(request::CodeActionRequest, code_actions::code_actions),
+    request_handler!(request::CodeLensRequest, code_lenses::code_lenses),
+    request_handler!(request::CodeLensResolve, code_lenses::resolve),
+    request_handler!(request::SemanticTokensFullRequest, semantic_tokens::full),
+    request_handler!(request::SemanticTokensRangeRequest, semantic_tokens::range),
+    request_handler!(
+        request::SemanticTokensFullDeltaRequest,
+        semantic_tokens::delta
+    ),
+    request_handler!(request::InlayHintRequest, inlay_hints::inlay_hints),
+    request_handler!(request::FoldingRangeRequest, folding::folding),
+    request_handler!(
+        request::SelectionRangeRequest,
+        selection_ranges::selection_ranges
+    ),
+    request_handler!(request::DocumentLinkRequest, document_links::document_links),
+    request_handler!(
+        request::DocumentDiagnosticRequest,
+        pull_diagnostics::document
+    ),
+    request_handler!(
+        request::WorkspaceDiagnosticRequest,
+        pull_diagnostics::workspace
+    ),
 ];
 
 /// Handles a request: calls the function that the table contains for the method, and returns the result or an error of
@@ -48,91 +117,14 @@ const REQUESTS: &[RequestHandler] = &[
 pub(crate) fn handle_request(world: &mut Workspace, method: &str, params: Value) -> RequestResult {
     match REQUESTS.iter().find(|(known, _)| *known == method) {
         Some((_, answer)) => answer(world, params),
-        None => Err((
+        None => Err(RequestError::new(
             ErrorCode::MethodNotFound,
             format!("unknown method {method}"),
         )),
     }
 }
 
-/// Entry of the table of notifications: the method name, and the function that handles the notification. The function
-/// returns requests that the server sends to the client.
-type NotificationHandler = (&'static str, fn(&mut Workspace, Value) -> Vec<Request>);
-
-macro_rules! notification_handler {
-    ($notification:ty, $take:path) => {
-        (<$notification>::METHOD, |world, params| {
-            // Invalid parameters are ignored, as a notification has no response.
-            let params = serde_json::from_value(params);
-            params.map_or_else(|_| Vec::new(), |params| $take(world, params))
-        })
-    };
-}
-
-const NOTIFICATIONS: &[NotificationHandler] = &[
-    notification_handler!(notification::Initialized, initialized),
-    notification_handler!(notification::DidOpenTextDocument, opened),
-    notification_handler!(notification::DidChangeTextDocument, changed),
-    notification_handler!(notification::DidCloseTextDocument, closed),
-    notification_handler!(notification::DidChangeWatchedFiles, files_changed),
-];
-
-/// Handles a notification of the client; an unknown one is ignored. Returns requests that the server sends to the
-/// client.
-pub(crate) fn handle_notification(
-    world: &mut Workspace,
-    method: &str,
-    params: Value,
-) -> Vec<Request> {
-    match NOTIFICATIONS.iter().find(|(known, _)| *known == method) {
-        Some((_, take)) => take(world, params),
-        None => Vec::new(),
-    }
-}
-
-/// Handles the notification `initialized`: returns a request that the client watch source files on disk, if the client
-/// supports it.
-fn initialized(world: &mut Workspace, _: InitializedParams) -> Vec<Request> {
-    if !world.client.watches_files {
-        return Vec::new();
-    }
-    let watcher = |glob: &str| FileSystemWatcher {
-        glob_pattern: GlobPattern::String(glob.to_owned()),
-        kind: None,
-    };
-    let options = DidChangeWatchedFilesRegistrationOptions {
-        watchers: vec![watcher("**/*.rpi"), watcher("**/*.lus")],
-    };
-    let registration = Registration {
-        id: "files".to_owned(),
-        method: notification::DidChangeWatchedFiles::METHOD.to_owned(),
-        register_options: serde_json::to_value(options).ok(),
-    };
-    let params = RegistrationParams {
-        registrations: vec![registration],
-    };
-    let method = request::RegisterCapability::METHOD.to_owned();
-    vec![Request::new("watch".to_owned().into(), method, params)]
-}
-
-fn opened(world: &mut Workspace, params: DidOpenTextDocumentParams) -> Vec<Request> {
-    let text = params.text_document;
-    world.open(text.uri, text.version, text.text);
-    Vec::new()
-}
-
-fn changed(world: &mut Workspace, params: DidChangeTextDocumentParams) -> Vec<Request> {
-    let text = params.text_document;
-    world.change(&text.uri, text.version, params.content_changes);
-    Vec::new()
-}
-
-fn closed(world: &mut Workspace, params: DidCloseTextDocumentParams) -> Vec<Request> {
-    world.close(&params.text_document.uri);
-    Vec::new()
-}
-
-fn files_changed(world: &mut Workspace, _: DidChangeWatchedFilesParams) -> Vec<Request> {
-    world.files_changed();
-    Vec::new()
+/// Returns the identifier of the request by which the server reads the configuration of the client.
+pub(crate) fn configuration_id() -> RequestId {
+    RequestId::from("configuration".to_owned())
 }

@@ -1,7 +1,8 @@
 //! Formatting, as the smallest edit of whole lines, so that the cursor keeps its place in unchanged lines.
 
-use lsp_types::{DocumentFormattingParams, Range, TextEdit};
-use rpi_syntax::{Dialect, format};
+use lsp_types::{DocumentFormattingParams, DocumentRangeFormattingParams, Range, TextEdit};
+use rpi_diag::FileId;
+use rpi_syntax::{Dialect, format, parse};
 
 use crate::line_index::LineIndex;
 use crate::uri;
@@ -26,6 +27,49 @@ pub(crate) fn formatting(
         Range::new(at(start), at(end)),
         text.to_owned(),
     )])
+}
+
+/// Handles `textDocument/rangeFormatting`: returns the edit that formats the declarations in a range of lines. Returns
+/// [`None`] if a syntax error prevents formatting, or if the document is not open.
+pub(crate) fn range_formatting(
+    world: &mut Workspace,
+    params: DocumentRangeFormattingParams,
+) -> Option<Vec<TextEdit>> {
+    let uri = params.text_document.uri;
+    let document = world.document(&uri)?;
+    let mode = Dialect::from_path(&uri::to_path(&uri).display().to_string());
+    let (old, lines) = (document.text.as_str(), LineIndex::new(&document.text));
+    let encoding = world.client.encoding;
+    let start = lines.offset(old, params.range.start, encoding);
+    let end = lines.offset(old, params.range.end, encoding);
+    let new = format(old, mode).ok()?;
+    let (old_parts, new_parts) = (part_ends(old, mode), part_ends(&new, mode));
+    // Formatting keeps the declarations, so that their parts correspond.
+    let first = old_parts.iter().filter(|part| **part <= start).count();
+    let last = old_parts.iter().filter(|part| **part < end).count();
+    let last = last.max(first);
+    let bound = |parts: &[usize], k: usize| k.checked_sub(1).map_or(0, |k| parts[k]);
+    let upto = |parts: &[usize], text: &str| parts.get(last).copied().unwrap_or(text.len());
+    if old_parts.len() != new_parts.len() {
+        return None;
+    }
+    let range = bound(&old_parts, first)..upto(&old_parts, old);
+    let text = &new[bound(&new_parts, first)..upto(&new_parts, &new)];
+    let Some((from, to, text)) = changed_lines(&old[range.clone()], text) else {
+        return Some(Vec::new());
+    };
+    let at = |offset| lines.position(old, range.start + offset, encoding);
+    Some(vec![TextEdit::new(
+        Range::new(at(from), at(to)),
+        text.to_owned(),
+    )])
+}
+
+/// Returns the byte offsets at which the declarations of a text end, in text order.
+fn part_ends(text: &str, mode: Dialect) -> Vec<usize> {
+    let parsed = parse(FileId(0), text, mode);
+    let items = parsed.file.items.iter();
+    items.map(|item| item.span.end as usize).collect()
 }
 
 /// Compares two texts by lines. Returns the start and end of the differing lines in `old`, in bytes, and the lines of

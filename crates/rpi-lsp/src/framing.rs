@@ -7,6 +7,9 @@ use std::sync::mpsc::{Receiver, Sender};
 use lsp_server::{ErrorCode, Message, RequestId, Response};
 use serde_json::Value;
 
+use crate::cancellation::Cancellations;
+use crate::dispatch::RequestError;
+
 /// Message received from the client, or the error response to a message that is invalid.
 pub(crate) type Received = Result<Message, Value>;
 
@@ -17,10 +20,19 @@ const MAX_LENGTH: u64 = 256 << 20;
 /// Maximum length of a header line in bytes. A longer line is read in parts of this length.
 const MAX_LINE: u64 = 4096;
 
-/// Reads messages from the client until the end of the input, and sends them to the channel.
-pub(crate) fn read_all(mut input: impl BufRead, to: &Sender<Received>) {
+/// Reads messages from the client until the end of the input, and sends them to the channel. Cancellations of requests
+/// are recorded as soon as they arrive.
+pub(crate) fn read_all(
+    mut input: impl BufRead,
+    to: &Sender<Received>,
+    cancellations: &Cancellations,
+) {
     while let Ok(Some(body)) = read_body(&mut input) {
-        if to.send(parse_message(&body)).is_err() {
+        let message = parse_message(&body);
+        if let Ok(message) = &message {
+            cancellations.record(message);
+        }
+        if to.send(message).is_err() {
             return;
         }
     }
@@ -106,10 +118,10 @@ pub(crate) fn to_json(message: impl Into<Message>) -> Value {
 }
 
 /// Returns the JSON-RPC response to the request `id` of the client: the result, or an error with code and message.
-pub(crate) fn response(id: RequestId, result: Result<Value, (ErrorCode, String)>) -> Value {
+pub(crate) fn response(id: RequestId, result: Result<Value, RequestError>) -> Value {
     to_json(match result {
         Ok(value) => Response::new_ok(id, value),
-        Err((code, text)) => Response::new_err(id, code as i32, text),
+        Err(error) => Response::new_err(id, error.code, error.message),
     })
 }
 

@@ -59,7 +59,7 @@ fn describe_name(seen: &Inspection, offset: u32) -> Option<(Span, Description)> 
 
 /// Returns the range and the description of the keyword, primitive or predeclared name at a byte offset; `None` if
 /// there is none.
-fn describe_builtin_at(seen: &Inspection, offset: u32) -> Option<(Span, Description)> {
+pub(crate) fn describe_builtin_at(seen: &Inspection, offset: u32) -> Option<(Span, Description)> {
     let text = seen.sources.text(FileId(0));
     let at = offset as usize;
     let all = source_tokens(text, seen.mode());

@@ -1,14 +1,12 @@
-//! Navigation: definitions, references, highlights.
+//! Navigation: from a name to its declaration or to that of its type.
 
 use std::rc::Rc;
 
-use lsp_types::{
-    DocumentHighlight, DocumentHighlightParams, GotoDefinitionParams, GotoDefinitionResponse,
-    Location, ReferenceParams, TextDocumentPositionParams,
-};
+use lsp_types::request::{GotoTypeDefinitionParams, GotoTypeDefinitionResponse};
+use lsp_types::{GotoDefinitionParams, GotoDefinitionResponse, TextDocumentPositionParams};
 use rpi_diag::{FileId, Span};
 use rpi_driver::Inspection;
-use rpi_sema::query::{DefId, Reference};
+use rpi_sema::query::{DefId, DefKind, Reference};
 
 use crate::workspace::Workspace;
 
@@ -36,58 +34,29 @@ pub(crate) fn definition(
     Some(GotoDefinitionResponse::Scalar(location))
 }
 
-/// Handles `textDocument/references`: returns the locations of all uses of the name at a position, in the programs of
-/// all open documents; `None` if there is no name.
-pub(crate) fn references(world: &mut Workspace, params: ReferenceParams) -> Option<Vec<Location>> {
-    let (seen, name) = name_at(world, &params.text_document_position)?;
-    let own = seen.index().def(name.def).span;
-    let file = seen.sources.name(own.file);
-    let mut found: Vec<Location> = Vec::new();
-    for uri in world.open_documents() {
-        let Some(other) = world.analysis(&uri) else {
-            continue;
-        };
-        // Definition ids differ between analyses, so the definition is looked up again by its place.
-        let mut files = other.sources.files();
-        let same = files.find(|id| other.sources.name(*id) == file);
-        let Some(name) = same.and_then(|id| other.index().reference_at(id, own.start)) else {
-            continue;
-        };
-        let places = world.locations(&other);
-        let spans = reference_spans(&other, name.def, params.context.include_declaration);
-        for location in spans.filter_map(|span| places.location(world, span)) {
-            if !found.contains(&location) {
-                found.push(location);
-            }
-        }
-    }
-    Some(found)
-}
-
-/// Handles `textDocument/documentHighlight`: returns all uses of the name at a position within the document; `None` if
-/// there is no name.
-pub(crate) fn highlights(
+/// Handles `textDocument/typeDefinition`: returns the location of the declaration of the type of the name at a position.
+/// The type of a flow with several parts, such as the result of a call, is the callee. Returns `None` if there is no
+/// name, or its type is built in.
+pub(crate) fn type_definition(
     world: &mut Workspace,
-    params: DocumentHighlightParams,
-) -> Option<Vec<DocumentHighlight>> {
+    params: GotoTypeDefinitionParams,
+) -> Option<GotoTypeDefinitionResponse> {
     let (seen, name) = name_at(world, &params.text_document_position_params)?;
-    let places = world.locations(&seen);
-    let here = reference_spans(&seen, name.def, true).filter(|span| span.file == FileId(0));
-    let highlights = here.map(|span| DocumentHighlight {
-        range: places.range(span),
-        kind: None,
-    });
-    Some(highlights.collect())
+    let ty = type_of(&seen, name.def)?;
+    let span = seen.index().def(ty).span;
+    let location = world.locations(&seen).location(world, span)?;
+    Some(GotoTypeDefinitionResponse::Scalar(location))
 }
 
-fn reference_spans(
-    seen: &Inspection,
-    def: DefId,
-    declared: bool,
-) -> impl Iterator<Item = Span> + '_ {
+/// Returns the definition of the type of a definition: the type that its declaration names, otherwise the one with its
+/// members.
+fn type_of(seen: &Inspection, def: DefId) -> Option<DefId> {
     let index = seen.index();
-    let own = index.def(def).span;
-    index
-        .references(def)
-        .filter(move |span| declared || *span != own)
+    let def = index.def(def);
+    let is_type = |name: &&Reference| {
+        let kind = index.def(name.def).kind;
+        matches!(kind, DefKind::Type | DefKind::Device)
+    };
+    let named = |ty: Span| index.references_in(ty).iter().find(is_type).map(|r| r.def);
+    def.ty.and_then(named).or(def.shape)
 }

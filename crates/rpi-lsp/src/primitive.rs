@@ -5,8 +5,8 @@ use rpi_image::{Fallback, InPort, Param, ParamType, PortType, PrimDesc};
 /// Returns the declaration of a primitive in the syntax of the language: name, static parameters, in-ports and
 /// out-ports.
 pub(crate) fn signature(desc: &PrimDesc) -> String {
-    let fallbacks = desc.inputs.iter().filter_map(fallback_param);
-    let statics: Vec<String> = fallbacks.chain(desc.params.iter().map(param)).collect();
+    let statics = static_parameters(desc).into_iter();
+    let statics: Vec<String> = statics.map(|(_, text)| text).collect();
     let inputs = desc.inputs.iter().map(|p| (p.name, p.ty));
     let outputs = desc.outputs.iter().map(|p| (p.name, p.ty));
     let statics = match statics.is_empty() {
@@ -21,6 +21,22 @@ pub(crate) fn signature(desc: &PrimDesc) -> String {
     )
 }
 
+/// Returns the static parameters of a primitive: the name and the declaration `name: type` of each.
+pub(crate) fn static_parameters(desc: &PrimDesc) -> Vec<(&'static str, String)> {
+    let fallbacks = desc.inputs.iter().filter_map(fallback_param);
+    let params = desc.params.iter().map(|one| (one.name, param(one)));
+    fallbacks.chain(params).collect()
+}
+
+/// Returns the in-ports of a primitive: the name and the declaration `name: type` of each.
+pub(crate) fn in_ports(desc: &PrimDesc) -> Vec<(&'static str, String)> {
+    let text = |port: &InPort| format!("{}: {}", port.name, port_type(port.ty));
+    desc.inputs
+        .iter()
+        .map(|port| (port.name, text(port)))
+        .collect()
+}
+
 /// Returns the documentation of a primitive, without the space at the start of each line that the Rust doc comment
 /// contains.
 pub(crate) fn doc(desc: &PrimDesc) -> String {
@@ -31,11 +47,11 @@ pub(crate) fn doc(desc: &PrimDesc) -> String {
     lines.join("\n")
 }
 
-/// Returns the declaration `name: type` of the static parameter that replaces an unconnected in-port; `None` if no
+/// Returns the name and the declaration `name: type` of the static parameter that replaces an unconnected in-port; `None` if no
 /// parameter does.
-fn fallback_param(port: &InPort) -> Option<String> {
+fn fallback_param(port: &InPort) -> Option<(&'static str, String)> {
     match port.fallback {
-        Fallback::Param(name, _) => Some(format!("{name}: {}", port_type(port.ty))),
+        Fallback::Param(name, _) => Some((name, format!("{name}: {}", port_type(port.ty)))),
         _ => None,
     }
 }

@@ -4,14 +4,17 @@ use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::mpsc::{Receiver, RecvTimeoutError, Sender};
 use std::time::Instant;
 
-use lsp_server::{ErrorCode, Message, Notification, Request};
+use lsp_server::{ErrorCode, Message, Notification, Request, Response};
 use lsp_types::notification::{Notification as _, PublishDiagnostics};
 use lsp_types::{InitializeParams, PublishDiagnosticsParams};
 use serde_json::Value;
 
-use crate::capabilities::ClientFeatures;
-use crate::dispatch;
+use crate::cancellation::Cancellations;
+use crate::capabilities::{self, ClientFeatures};
+use crate::dispatch::{self, RequestError};
 use crate::framing::{Received, response, to_json};
+use crate::notifications;
+use crate::settings::Settings;
 use crate::workspace::Workspace;
 
 /// Lifecycle phase of the server.
@@ -28,17 +31,22 @@ enum Phase {
 ///
 /// # Errors
 /// Returns an error if the client has sent no `shutdown` request before.
-pub(crate) fn run(inbox: &Receiver<Received>, outbox: Sender<Value>) -> Result<(), &'static str> {
+pub(crate) fn run(
+    inbox: &Receiver<Received>,
+    outbox: Sender<Value>,
+    cancellations: Cancellations,
+) -> Result<(), &'static str> {
     let mut server = Server {
         phase: Phase::Uninitialized,
         outbox,
+        cancellations,
     };
     loop {
-        match next_message(inbox, server.next_due()) {
+        match next_message(inbox, server.next_due(), server.is_overdue()) {
             Ok(Ok(Message::Request(request))) => server.request(request),
             Ok(Ok(Message::Notification(notification))) if notification.method == "exit" => break,
             Ok(Ok(Message::Notification(notification))) => server.notification(notification),
-            Ok(Ok(Message::Response(_))) => {}
+            Ok(Ok(Message::Response(response))) => server.response(response),
             Ok(Err(refusal)) => server.send(refusal),
             Err(RecvTimeoutError::Timeout) => server.analyse_due(),
             Err(RecvTimeoutError::Disconnected) => break,
@@ -52,25 +60,26 @@ pub(crate) fn run(inbox: &Receiver<Received>, outbox: Sender<Value>) -> Result<(
 }
 
 /// Returns the next message from the client. Waits at most until `due`, the time of the next analysis; returns a
-/// timeout error then.
+/// timeout error then. Messages that have arrived are handled before the analysis, which they may make unnecessary,
+/// unless the analysis is overdue: a stream of messages must not postpone it for ever.
 fn next_message(
     inbox: &Receiver<Received>,
     due: Option<Instant>,
+    is_overdue: bool,
 ) -> Result<Received, RecvTimeoutError> {
     let Some(due) = due else {
         return inbox.recv().map_err(|_| RecvTimeoutError::Disconnected);
     };
-    let left = due.saturating_duration_since(Instant::now());
-    match left.is_zero() {
-        // Also if messages wait: a stream of messages must not postpone the analysis for ever.
+    match is_overdue {
         true => Err(RecvTimeoutError::Timeout),
-        false => inbox.recv_timeout(left),
+        false => inbox.recv_timeout(due.saturating_duration_since(Instant::now())),
     }
 }
 
 struct Server {
     phase: Phase,
     outbox: Sender<Value>,
+    cancellations: Cancellations,
 }
 
 impl Server {
@@ -90,8 +99,28 @@ impl Server {
         self.workspace()?.next_due()
     }
 
+    fn is_overdue(&mut self) -> bool {
+        self.workspace().is_some_and(|world| world.is_overdue())
+    }
+
     fn request(&mut self, request: Request) {
-        let result = match (request.method.as_str(), &mut self.phase) {
+        let id = request.id.clone();
+        let cancelled = || error(ErrorCode::RequestCanceled, "cancelled by the client");
+        let result = match self.cancellations.contains(&id) {
+            true => cancelled(),
+            false => self.result(request),
+        };
+        // A result that is cut short by a cancellation is incomplete.
+        let result = match self.cancellations.contains(&id) {
+            true => cancelled(),
+            false => result,
+        };
+        self.cancellations.remove(&id);
+        self.send(response(id, result));
+    }
+
+    fn result(&mut self, request: Request) -> Result<Value, RequestError> {
+        match (request.method.as_str(), &mut self.phase) {
             ("initialize", Phase::Uninitialized) => self.initialize(request.params),
             ("initialize", _) => error(ErrorCode::InvalidRequest, "already initialized"),
             (_, Phase::Uninitialized) => {
@@ -103,20 +132,38 @@ impl Server {
                 Ok(Value::Null)
             }
             (method, Phase::Running(world)) => {
+                world.set_request(Some(request.id));
                 let work = || dispatch::handle_request(world, method, request.params);
-                catch_panic(work).unwrap_or_else(|| internal_error(method))
+                let result = catch_panic(work).unwrap_or_else(|| internal_error(method));
+                world.set_request(None);
+                result
             }
-        };
-        self.send(response(request.id, result));
+        }
     }
 
-    fn initialize(&mut self, params: Value) -> Result<Value, (ErrorCode, String)> {
+    fn initialize(&mut self, params: Value) -> Result<Value, RequestError> {
         let params: InitializeParams = serde_json::from_value(params)
-            .map_err(|e| (ErrorCode::InvalidParams, e.to_string()))?;
+            .map_err(|e| RequestError::new(ErrorCode::InvalidParams, e.to_string()))?;
         let client = ClientFeatures::from_params(&params);
-        let welcome = serde_json::to_value(client.initialize_result()).unwrap_or_default();
-        self.phase = Phase::Running(Box::new(Workspace::new(client)));
+        let options = params.initialization_options.as_ref();
+        let settings = Settings::default().with_options(options.unwrap_or(&Value::Null));
+        let welcome = capabilities::initialize_result(&client, &settings);
+        let welcome = serde_json::to_value(welcome).unwrap_or_default();
+        let folders = capabilities::folders(&params);
+        let cancellations = self.cancellations.clone();
+        let world = Workspace::new(client, settings, folders, cancellations);
+        self.phase = Phase::Running(Box::new(world));
         Ok(welcome)
+    }
+
+    /// Handles the response to a request of the server: the configuration of the client.
+    fn response(&mut self, response: Response) {
+        if let (Some(world), Some(result)) = (self.workspace(), response.result)
+            && response.id == dispatch::configuration_id()
+        {
+            let options = result.get(0).unwrap_or(&Value::Null);
+            world.settings = world.settings.with_options(options);
+        }
     }
 
     fn notification(&mut self, notification: Notification) {
@@ -124,7 +171,7 @@ impl Server {
             return;
         };
         let work =
-            || dispatch::handle_notification(world, &notification.method, notification.params);
+            || notifications::handle_notification(world, &notification.method, notification.params);
         let requests = catch_panic(work).unwrap_or_default();
         requests
             .into_iter()
@@ -158,11 +205,11 @@ fn catch_panic<T>(work: impl FnOnce() -> T) -> Option<T> {
     catch_unwind(AssertUnwindSafe(work)).ok()
 }
 
-fn error(code: ErrorCode, why: &str) -> Result<Value, (ErrorCode, String)> {
-    Err((code, why.to_owned()))
+fn error(code: ErrorCode, why: &str) -> Result<Value, RequestError> {
+    Err(RequestError::new(code, why.to_owned()))
 }
 
-fn internal_error(method: &str) -> Result<Value, (ErrorCode, String)> {
+fn internal_error(method: &str) -> Result<Value, RequestError> {
     error(
         ErrorCode::InternalError,
         &format!("internal error in {method}"),

@@ -33,6 +33,12 @@ const SYMBOL_KINDS: &[(DefKind, SymbolKind)] = &[
     (DefKind::State, SymbolKind::MODULE),
 ];
 
+/// Returns the symbol kind in the protocol of a kind of definition; `None` if such definitions are not shown.
+pub(crate) fn symbol_kind(kind: DefKind) -> Option<SymbolKind> {
+    let row = SYMBOL_KINDS.iter().find(|(known, _)| *known == kind);
+    row.map(|(_, kind)| *kind)
+}
+
 /// Handles `textDocument/documentSymbol`: returns the outline of a document, as a tree of its declarations; `None` if
 /// the document is not open.
 pub(crate) fn symbols(
@@ -71,12 +77,12 @@ impl Outline<'_> {
     // The struct has a deprecated field, which must be set nevertheless.
     #[allow(deprecated)]
     fn symbol(&self, id: DefId, def: &Def) -> Option<DocumentSymbol> {
-        let (_, kind) = SYMBOL_KINDS.iter().find(|(kind, _)| *kind == def.kind)?;
+        let kind = symbol_kind(def.kind)?;
         let children = self.symbols_in(Some(id));
         Some(DocumentSymbol {
             name: def.name.to_string(),
             detail: Some(def.kind.description().to_owned()),
-            kind: *kind,
+            kind,
             tags: None,
             deprecated: None,
             range: self.places.range(def.full_span.merge(def.span)),

@@ -3,17 +3,22 @@
 //! Each open document is the root file of a program, and may be part of other programs. The diagnostics about a file
 //! from all these programs are published together, without duplicates.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
+use std::ops::Range as ByteRange;
 use std::path::{Path, PathBuf};
 use std::rc::Rc;
 use std::time::{Duration, Instant};
 
-use lsp_types::{Diagnostic, TextDocumentContentChangeEvent, Uri};
+use lsp_server::RequestId;
+use lsp_types::{Diagnostic, Range, TextDocumentContentChangeEvent, Uri};
 use rpi_driver::{DiskLoader, FileLoader, Inspection, inspect};
 
+use crate::cancellation::Cancellations;
 use crate::capabilities::ClientFeatures;
 use crate::line_index::LineIndex;
 use crate::locations::LocationMap;
+use crate::semantic_tokens::SentTokens;
+use crate::settings::Settings;
 use crate::{diagnostics, uri};
 
 /// Maximum pause in typing for which the server waits before it analyses a document: 200 ms.
@@ -21,6 +26,10 @@ const MAX_PAUSE: Duration = Duration::from_millis(200);
 
 /// Maximum time from a change to its analysis if the user types without a pause: 500 ms.
 const MAX_DELAY: Duration = Duration::from_millis(500);
+
+/// Duration of an analysis that ends before a fast typist presses the next key (35 ms at 140 words per minute), so that
+/// waiting for a pause would only delay the diagnostics.
+const FAST_ANALYSIS: Duration = Duration::from_millis(30);
 
 /// Document that is open in the editor, with its unsaved text.
 #[derive(Debug)]
@@ -52,12 +61,15 @@ impl Document {
         }
     }
 
-    /// Schedules an analysis after a pause in typing that is as long as the last analysis took, but at most
-    /// [`MAX_PAUSE`] long and at most [`MAX_DELAY`] after the first change.
+    /// Schedules an analysis: at once if the last one was fast, else after a pause in typing that is as long as the last
+    /// analysis took, but at most [`MAX_PAUSE`] long and at most [`MAX_DELAY`] after the first change.
     fn schedule(&mut self, now: Instant) {
         let since = self.due.map_or(now, |(_, since)| since);
         // The slower the analysis, the longer the pause: fast typing then never queues up analyses.
-        let pause = self.analysis_time.min(MAX_PAUSE);
+        let pause = match self.analysis_time < FAST_ANALYSIS {
+            true => Duration::ZERO,
+            false => self.analysis_time.min(MAX_PAUSE),
+        };
         self.due = Some(((now + pause).min(since + MAX_DELAY), since));
     }
 
@@ -82,6 +94,16 @@ pub(crate) struct FileDiagnostics {
 /// State of the server: client, open documents, published diagnostics.
 pub(crate) struct Workspace {
     pub(crate) client: ClientFeatures,
+    pub(crate) settings: Settings,
+    /// Semantic tokens that the client has received, by document, for later requests of changes.
+    pub(crate) sent_tokens: BTreeMap<PathBuf, SentTokens>,
+    /// Document of the last completion, to which requests for the documentation of items refer.
+    pub(crate) completed: Option<Uri>,
+    /// Folders that are open in the editor.
+    folders: Vec<PathBuf>,
+    cancellations: Cancellations,
+    /// Request that is being handled.
+    request: Option<RequestId>,
     documents: BTreeMap<PathBuf, Document>,
     /// Diagnostics of files that the client has not received so far, in the order of the analyses.
     unpublished: Vec<FileDiagnostics>,
@@ -91,7 +113,7 @@ pub(crate) struct Workspace {
 }
 
 /// File loader that returns the text in the editor for open documents, and the text on disk for other files.
-struct Overlay<'w>(&'w BTreeMap<PathBuf, Document>);
+pub(crate) struct Overlay<'w>(&'w BTreeMap<PathBuf, Document>);
 
 impl FileLoader for Overlay<'_> {
     fn text(&self, path: &Path) -> Option<String> {
@@ -103,9 +125,20 @@ impl FileLoader for Overlay<'_> {
 }
 
 impl Workspace {
-    pub(crate) fn new(client: ClientFeatures) -> Workspace {
+    pub(crate) fn new(
+        client: ClientFeatures,
+        settings: Settings,
+        folders: Vec<PathBuf>,
+        cancellations: Cancellations,
+    ) -> Workspace {
         Workspace {
             client,
+            settings,
+            sent_tokens: BTreeMap::new(),
+            completed: None,
+            folders,
+            cancellations,
+            request: None,
             documents: BTreeMap::new(),
             unpublished: Vec::new(),
             last_published: BTreeMap::new(),
@@ -149,6 +182,7 @@ impl Workspace {
 
     pub(crate) fn close(&mut self, uri: &Uri) {
         let path = uri::to_path(uri);
+        self.sent_tokens.remove(&path);
         if let Some(document) = self.documents.remove(&path) {
             let files: Vec<PathBuf> = document.diagnostics.into_keys().collect();
             files.iter().for_each(|file| self.collect_diagnostics(file));
@@ -174,14 +208,55 @@ impl Workspace {
             .for_each(|document| document.schedule(now));
     }
 
-    pub(crate) fn document(&self, uri: &Uri) -> Option<&Document> {
-        self.documents.get(&uri::to_path(uri))
+    /// Sets the request that is being handled; `None` between requests.
+    pub(crate) fn set_request(&mut self, request: Option<RequestId>) {
+        self.request = request;
     }
 
-    /// Returns the URIs of all documents that are open in the editor.
-    pub(crate) fn open_documents(&self) -> Vec<Uri> {
-        let documents = self.documents.values();
-        documents.map(|document| document.uri.clone()).collect()
+    /// Returns whether the client has cancelled the request that is being handled.
+    pub(crate) fn is_cancelled(&self) -> bool {
+        let request = self.request.as_ref();
+        request.is_some_and(|id| self.cancellations.contains(id))
+    }
+
+    /// Returns the folders that are open in the editor.
+    pub(crate) fn folders(&self) -> &[PathBuf] {
+        &self.folders
+    }
+
+    /// Changes the folders that are open in the editor.
+    pub(crate) fn change_folders(&mut self, removed: &[PathBuf], added: Vec<PathBuf>) {
+        self.folders.retain(|folder| !removed.contains(folder));
+        self.folders.extend(added);
+    }
+
+    /// Returns the paths of the documents that are open in the editor.
+    pub(crate) fn open_paths(&self) -> BTreeSet<PathBuf> {
+        self.documents.keys().cloned().collect()
+    }
+
+    /// Returns the URI of the document that is open at a path; `None` if there is none.
+    pub(crate) fn open_uri(&self, path: &Path) -> Option<Uri> {
+        self.documents
+            .get(path)
+            .map(|document| document.uri.clone())
+    }
+
+    /// Returns a file loader that prefers the texts in the editor.
+    pub(crate) fn overlay(&self) -> Overlay<'_> {
+        Overlay(&self.documents)
+    }
+
+    /// Converts a range of bytes in a file to a range of lines and columns.
+    pub(crate) fn range_in(&self, path: &Path, bytes: ByteRange<u32>) -> Range {
+        let text = self.overlay().text(path).unwrap_or_default();
+        let lines = LineIndex::new(&text);
+        let at = |offset: u32| lines.position(&text, offset as usize, self.client.encoding);
+        Range::new(at(bytes.start), at(bytes.end))
+    }
+
+    pub(crate) fn document(&self, uri: &Uri) -> Option<&Document> {
+        self.documents.get(&uri::to_path(uri))
     }
 
     /// Returns the URI of a file: for an open document the URI that the client uses, else one made from the path.
@@ -212,6 +287,13 @@ impl Workspace {
     pub(crate) fn next_due(&self) -> Option<Instant> {
         let dues = self.documents.values().filter_map(|document| document.due);
         dues.map(|(due, _)| due).min()
+    }
+
+    /// Returns whether a document has waited for its analysis for [`MAX_DELAY`], so that further messages must wait.
+    pub(crate) fn is_overdue(&self) -> bool {
+        let now = Instant::now();
+        let mut dues = self.documents.values().filter_map(|document| document.due);
+        dues.any(|(_, since)| since + MAX_DELAY <= now)
     }
 
     /// Analyses every open document whose analysis is due now.
@@ -249,7 +331,7 @@ impl Workspace {
         document.analysis_time = begun.elapsed();
         let old = std::mem::replace(&mut document.diagnostics, found);
         let new = document.diagnostics.keys().cloned();
-        let files: std::collections::BTreeSet<PathBuf> = new.chain(old.into_keys()).collect();
+        let files: BTreeSet<PathBuf> = new.chain(old.into_keys()).collect();
         files.iter().for_each(|file| self.collect_diagnostics(file));
     }
 
@@ -283,9 +365,14 @@ impl Workspace {
         }
     }
 
-    /// Returns the diagnostics to publish, and removes them from the list of unpublished ones.
+    /// Returns the diagnostics to publish, and removes them from the list of unpublished ones. There are none if the
+    /// client requests diagnostics itself.
     pub(crate) fn take_unpublished(&mut self) -> Vec<FileDiagnostics> {
-        std::mem::take(&mut self.unpublished)
+        let all = std::mem::take(&mut self.unpublished);
+        match self.settings.pull_diagnostics {
+            true => Vec::new(),
+            false => all,
+        }
     }
 
     /// Returns a converter from byte ranges in the files of a program to positions in the encoding of the client.

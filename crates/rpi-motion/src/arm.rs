@@ -3,6 +3,7 @@
 use crate::Joints;
 use nalgebra::Vector3;
 use rpi_kin::angle::nearest_turn;
+use rpi_kin::state_to_rest::AxisState;
 use rpi_kin::{ArmModel, AxisLimits, InverseKinematicsError, MAX_AXES, Pose};
 
 /// Model of an arm with the tool that it holds and the limits of its axes.
@@ -194,6 +195,26 @@ impl JointState {
             position,
             ..Self::default()
         }
+    }
+
+    /// Creates the state of all axes from that of each axis.
+    #[must_use]
+    pub fn from_axes(axes: &[AxisState; MAX_AXES]) -> Self {
+        Self {
+            position: axes.map(|axis| axis.position),
+            velocity: axes.map(|axis| axis.velocity),
+            acceleration: axes.map(|axis| axis.acceleration),
+        }
+    }
+
+    /// Returns the state of each axis.
+    #[must_use]
+    pub fn to_axes(&self) -> [AxisState; MAX_AXES] {
+        core::array::from_fn(|axis| AxisState {
+            position: self.position[axis],
+            velocity: self.velocity[axis],
+            acceleration: self.acceleration[axis],
+        })
     }
 
     /// Returns true if all positions, velocities and accelerations are finite.

@@ -7,6 +7,9 @@
 //!
 //! Nothing allocates, and the work of a cycle is bounded: at most five plans of each axis.
 
+mod outlook;
+
+use self::outlook::states_on;
 use crate::node::{USED_JERK_SHARE, USED_SHARE};
 use crate::online::{AxisLimits, MotionOptions, OnlineMotion, Synchronization};
 use crate::ranges::allowed_ranges;
@@ -133,12 +136,10 @@ impl JointMotion {
                 acceleration: requested.acceleration.min(USED_SHARE * limits.acceleration),
                 jerk: requested.jerk.min(USED_JERK_SHARE * limits.jerk),
             };
-            self.state[axis] = AxisState {
-                position: state.position[axis],
-                velocity: state.velocity[axis],
-                acceleration: state.acceleration[axis],
-            };
         }
+        // The entries beyond the axes of the arm stay at rest.
+        let axes = self.arm.axes();
+        self.state[..axes].copy_from_slice(&state.to_axes()[..axes]);
         self.previous = self.state;
         Ok(())
     }
@@ -151,7 +152,7 @@ impl JointMotion {
         let next = self.planned(&goal, &limits);
         self.previous = core::mem::replace(&mut self.state, next);
         JointSetPoint {
-            state: self.joint_state(&next),
+            state: JointState::from_axes(&next),
             at_goal: self.is_at(&goal),
             at_range_end: self.axis_at_end(&goal),
         }
@@ -170,13 +171,13 @@ impl JointMotion {
                 before.advanced((elapsed + self.period).min(self.period), jerk)
             }
         };
-        self.joint_state(&core::array::from_fn(at))
+        JointState::from_axes(&core::array::from_fn(at))
     }
 
     /// Returns the state at the last set-point, exactly; differences of set-points would only approximate it.
     #[must_use]
     pub fn state(&self) -> JointState {
-        self.joint_state(&self.state)
+        JointState::from_axes(&self.state)
     }
 
     /// Returns the goal with its positions limited to the ranges and its velocities limited to the bounds.
@@ -313,30 +314,8 @@ impl JointMotion {
         limits: &[AxisLimits; MAX_AXES],
         synchronization: Synchronization,
     ) -> Option<[AxisState; MAX_AXES]> {
-        let options = MotionOptions {
-            synchronization,
-            minimum_duration: 0.0,
-        };
-        let relative = core::array::from_fn(|axis| AxisState {
-            position: self.state[axis].position - target[axis].position,
-            velocity: self.state[axis].velocity - target[axis].velocity,
-            acceleration: self.state[axis].acceleration,
-        });
-        let limits = core::array::from_fn(|axis| AxisLimits {
-            max_velocity: limits[axis].max_velocity - target[axis].velocity,
-            min_velocity: limits[axis].min_velocity - target[axis].velocity,
-            ..limits[axis]
-        });
-        let plan = OnlineMotion::to_position(&relative, &AT_REST, &limits, options).ok()?;
-        Some(core::array::from_fn(|axis| {
-            let state = plan.axes()[axis].state_at(self.period);
-            let target = target[axis].advanced(self.period, 0.0);
-            AxisState {
-                position: state.position + target.position,
-                velocity: state.velocity + target.velocity,
-                acceleration: state.acceleration,
-            }
-        }))
+        let plan = self.plan_to(target, limits, synchronization)?;
+        Some(states_on(&plan, target, self.period))
     }
 
     /// Returns the states of the axes one period later if each axis comes to rest within `limits`; `None` if there is
@@ -428,14 +407,6 @@ impl JointMotion {
                 && (state.position - target.position).abs() < SAME
                 && state.velocity.abs() < SAME
         })
-    }
-
-    fn joint_state(&self, of: &[AxisState; MAX_AXES]) -> JointState {
-        JointState {
-            position: of.map(|axis| axis.position),
-            velocity: of.map(|axis| axis.velocity),
-            acceleration: of.map(|axis| axis.acceleration),
-        }
     }
 }
 

@@ -1,6 +1,7 @@
 //! The motion core of one arm: begins a motion from any state, and gives the set-point of each cycle.
 
 mod approach;
+mod passage;
 
 use self::approach::Approach;
 use crate::course::Course;

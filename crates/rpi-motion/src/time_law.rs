@@ -1,5 +1,6 @@
 //! Time law of the path parameter: the piece in force and the brake behind it.
 
+use crate::passage::bisect;
 use rpi_kin::state_to_rest::{AxisState, StateToRestProfile};
 use rpi_kin::stop_profile::{JerkPhase, StopProfile, VelocityState};
 
@@ -213,15 +214,8 @@ fn time_at(plan: &StateToRestProfile, place: f64) -> f64 {
     if plan.start().position >= place {
         return 0.0;
     }
-    let (mut early, mut late) = (0.0, plan.duration());
-    for _ in 0..STEPS {
-        let middle = f64::midpoint(early, late);
-        match plan.state_at(middle).position < place {
-            true => early = middle,
-            false => late = middle,
-        }
-    }
-    late
+    let position = |time: f64| plan.state_at(time).position;
+    bisect(position, (0.0, plan.duration()), place, STEPS)
 }
 
 fn stop_from(state: &PathState, acceleration: f64, jerk: f64) -> Option<StopProfile> {

@@ -10,6 +10,10 @@ const TICK: f64 = 1e-3;
 const AXES: usize = 6;
 const HOME: [f64; AXES] = [0.0, -1.57, 1.57, 0.0, 1.57, 0.0];
 const SLOTS: usize = AXES + 14;
+/// Slots of the result of `follow_chunks`, which reports more.
+const CHUNK_SLOTS: usize = SLOTS + 10;
+/// Rows of a chunk.
+const ROWS: usize = 20;
 
 /// Xorshift generator (Marsaglia 2003).
 struct Random(u64);
@@ -34,7 +38,7 @@ impl Random {
 }
 
 /// Motion functions, and whether their target is read in each cycle.
-const FUNCTIONS: [(&str, bool); 10] = [
+const FUNCTIONS: [(&str, bool); 11] = [
     ("move_line", false),
     ("move_arc_by_angle", false),
     ("move_spline", false),
@@ -43,9 +47,44 @@ const FUNCTIONS: [(&str, bool); 10] = [
     ("follow_joints", true),
     ("move_at_velocity", true),
     ("hold", false),
+    ("follow_chunks", true),
     ("move_tool_in_base", true),
     ("move_tool_in_tool", true),
 ];
+
+fn slots_of(function: &str) -> usize {
+    match function {
+        "follow_chunks" => CHUNK_SLOTS,
+        _ => SLOTS,
+    }
+}
+
+/// A random chunk: a walk from a random place, with a number of its own.
+fn chunk(random: &mut Random) -> Vec<u64> {
+    let mut place = random.joints(0.4);
+    let mut positions = Vec::new();
+    for _ in 0..ROWS {
+        place
+            .iter_mut()
+            .for_each(|joint| *joint += random.between(-0.02, 0.02));
+        positions.extend(place.iter().map(|joint| joint.to_bits()));
+    }
+    let number = random.between(1.0, 1e12) as u64;
+    let (age, weight) = (random.between(0.0, 0.3), random.between(0.0, 0.9));
+    let appended = u64::from(random.between(0.0, 1.0) < 0.2);
+    let mut slots = vec![
+        number,
+        ROWS as u64,
+        0.03f64.to_bits(),
+        age.to_bits(),
+        appended,
+    ];
+    slots.extend([weight.to_bits(), 3, 0.01f64.to_bits(), 0]);
+    slots.extend(&positions);
+    // Velocities, which are not used.
+    slots.extend(vec![0; positions.len()]);
+    slots
+}
 
 struct Rig {
     bank: SimBank,
@@ -71,8 +110,10 @@ impl Rig {
             };
             bank.resolve(&query).expect("the port exists")
         };
-        let result = Type::Array(Scalar::Real, SLOTS as u32);
-        let functions = FUNCTIONS.map(|(name, _)| port(name, PortKind::Function, result));
+        let functions = FUNCTIONS.map(|(name, _)| {
+            let result = Type::Array(Scalar::Real, slots_of(name) as u32);
+            port(name, PortKind::Function, result)
+        });
         let all = Type::Array(Scalar::Real, AXES as u32);
         Self {
             functions: functions.to_vec(),
@@ -108,6 +149,7 @@ impl Rig {
             "follow_joints" => [random.joints(0.4), random.vector(0.5).repeat(2)].concat(),
             "move_at_velocity" => random.vector(1.0).repeat(2),
             "hold" => Vec::new(),
+            "follow_chunks" => return chunk(random),
             _ => [random.vector(0.2), random.vector(0.5)].concat(),
         };
         let mut slots: Vec<u64> = target.iter().map(|value| value.to_bits()).collect();
@@ -119,9 +161,10 @@ impl Rig {
         slots
     }
 
-    fn call(&mut self, function: usize, number: u64, target: &[u64]) -> [u64; SLOTS] {
+    fn call(&mut self, function: usize, number: u64, target: &[u64]) -> Vec<u64> {
         let bounds = match FUNCTIONS[function].0 {
-            "move_joints" | "move_axes" | "follow_joints" | "move_at_velocity" => [1.5, 4.0, 60.0],
+            "move_joints" | "move_axes" | "follow_joints" | "move_at_velocity"
+            | "follow_chunks" => [1.5, 4.0, 60.0],
             _ => [0.25, 1.0, 15.0],
         };
         let mut arguments = vec![number];
@@ -130,7 +173,7 @@ impl Rig {
         arguments.extend([1f64.to_bits(), 0]);
         // The arm's own tool.
         arguments.extend([0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 1.0].map(f64::to_bits));
-        let mut result = [0; SLOTS];
+        let mut result = vec![0; slots_of(FUNCTIONS[function].0)];
         assert!(
             self.bank
                 .call(self.functions[function], &arguments, &mut result)

@@ -79,6 +79,18 @@ impl LspClient {
         answer["result"].clone()
     }
 
+    /// Sends a request without waiting for its response. Returns its identifier.
+    pub fn start_request(&mut self, method: &str, params: Value) -> i64 {
+        self.last_id += 1;
+        self.send(json!({ "id": self.last_id, "method": method, "params": params }));
+        self.last_id
+    }
+
+    /// Sends the response to a request of the server.
+    pub fn respond(&mut self, id: Value, result: Value) {
+        self.send(json!({ "id": id, "result": result }));
+    }
+
     /// Sends a notification to the server.
     pub fn notify(&mut self, method: &str, params: Value) {
         self.send(json!({ "method": method, "params": params }));
@@ -115,7 +127,13 @@ impl LspClient {
     /// Starts a session: sends `initialize` with the capabilities of the client, then `initialized`. Returns the result
     /// of `initialize`.
     pub fn initialize(&mut self, capabilities: Value) -> Value {
-        let params = json!({ "processId": null, "rootUri": null, "capabilities": capabilities });
+        self.initialize_with(json!({ "capabilities": capabilities }))
+    }
+
+    /// Starts a session as [`LspClient::initialize`] does, with all parameters of the `initialize` request, such as the
+    /// folders of the workspace.
+    pub fn initialize_with(&mut self, mut params: Value) -> Value {
+        params["processId"] = Value::Null;
         let result = self.result("initialize", params);
         self.notify("initialized", json!({}));
         result

@@ -9,7 +9,7 @@ pub fn workspace_root() -> PathBuf {
 }
 
 /// Returns all files below the folder `dir` (relative to the root of the workspace) whose names end in one of
-/// `extensions`, sorted by path. Build output and hidden folders are skipped; a missing folder has no files.
+/// `extensions`, sorted by path. Build output, installed packages and hidden folders are skipped; a missing folder has no files.
 pub fn files_below(dir: &str, extensions: &[&str]) -> Vec<PathBuf> {
     let mut found = Vec::new();
     collect(&workspace_root().join(dir), extensions, &mut found);
@@ -26,7 +26,8 @@ fn collect(dir: &Path, extensions: &[&str], found: &mut Vec<PathBuf>) {
             .file_name()
             .and_then(|name| name.to_str())
             .unwrap_or("");
-        if path.is_dir() && !name.starts_with('.') && name != "target" {
+        let is_skipped = name.starts_with('.') || ["target", "node_modules"].contains(&name);
+        if path.is_dir() && !is_skipped {
             collect(&path, extensions, found);
         } else if extensions.iter().any(|extension| name.ends_with(extension)) {
             found.push(path);

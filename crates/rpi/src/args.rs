@@ -17,6 +17,7 @@ use crate::recording_args::RecordingArgs;
 use crate::robot_args::{CellCommand, RobotCommand};
 use crate::socket_arg::parse_socket;
 use crate::teach::TeachArgs;
+use crate::view_args::ViewArgs;
 
 /// Control core of robots: runs commands that take over from one another without a gap.
 #[derive(Debug, Parser)]
@@ -58,6 +59,11 @@ pub(crate) enum CliCommand {
     /// For a net, external values are taken from the trace: device ports, inputs, cancel, the wall clock. Everything
     /// else is computed and compared. Exit status: 0 if nothing differs, 1 if something differs, 2 for invalid input.
     Replay(ReplayArgs),
+    /// Show a recording in the browser: the cell in 3D, plots, a timeline and the program.
+    ///
+    /// The page is served on this machine only, until the process is interrupted. With --report, it is written to a
+    /// file that any browser opens without this tool and without a network.
+    View(ViewArgs),
     /// Measure which period this machine can hold, and show why.
     ///
     /// A thread with the priority, memory locking and core that the system grants is woken periodically. Its wake-up
@@ -158,6 +164,9 @@ pub(crate) struct RunArgs {
     /// Plot the motion of the axes as SVG to this file.
     #[arg(long, value_name = "FILE")]
     pub(crate) plot: Option<PathBuf>,
+    /// Write a page with the run to this file: the cell in 3D, plots and a timeline, for any browser.
+    #[arg(long, value_name = "FILE")]
+    pub(crate) report: Option<PathBuf>,
     /// Print the summary of the run as JSON.
     #[arg(long)]
     pub(crate) json: bool,

@@ -1,4 +1,4 @@
-//! Command-line tool of the control core: `rpi run`, `rpi serve`, `rpi replay`, `rpi trace`, `rpi latency`,
+//! Command-line tool of the control core: `rpi run`, `rpi serve`, `rpi replay`, `rpi view`, `rpi trace`, `rpi latency`,
 //! `rpi robot`, `rpi cell`.
 //!
 //! Exit status: 0 for success, 1 for a command's error or a differing trace, 2 for invalid input, 3 for a fault while
@@ -23,11 +23,14 @@ mod replay;
 mod robot;
 mod robot_args;
 mod run;
+mod run_report;
 mod serve;
 mod socket_arg;
 mod target;
 mod teach;
 mod trace;
+mod view;
+mod view_args;
 
 use std::path::Path;
 use std::process::ExitCode;
@@ -52,6 +55,7 @@ fn main() -> ExitCode {
         CliCommand::Serve(args) => serve::serve(&args),
         CliCommand::Trace(args) => trace::trace(&args),
         CliCommand::Replay(args) => replay::replay(&args),
+        CliCommand::View(args) => view::view(&args),
         CliCommand::Latency(args) => latency::latency(&args),
         CliCommand::Robot(command) => robot::robot(&command),
         CliCommand::Cell(CellCommand::Check { cell }) => cell_file::check(&cell),

@@ -76,6 +76,7 @@ fn check_options(args: &RunArgs) -> Result<(), String> {
         ("--record", args.record.is_some()),
         ("--digest", args.digest),
         ("--plot", args.plot.is_some()),
+        ("--report", args.report.is_some()),
         ("--json", args.json),
     ];
     match given.iter().find(|(_, is_given)| *is_given) {

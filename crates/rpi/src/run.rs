@@ -30,6 +30,7 @@ use crate::guard::{Heartbeat, HeartbeatSource};
 use crate::interrupt::Interrupt;
 use crate::output;
 use crate::program;
+use crate::run_report::RunReport;
 use crate::target;
 use rpi_serve::TaskBundle;
 
@@ -44,6 +45,9 @@ pub(crate) fn run(args: &RunArgs) -> exit::CommandResult {
         .map(|path| rows_file(path, args))
         .transpose()?;
     let mut picture = plot.map(|path| create(path, args)).transpose()?;
+    let report = RunReport::create(args)?;
+    let mcap = report.as_ref().map(RunReport::recording);
+    let mcap = mcap.or(record.filter(|path| is_mcap(path)));
     let mut motion = args.plot.as_ref().map(|_| MotionSink::default());
     let mut several = SinkList::default();
     several
@@ -59,7 +63,7 @@ pub(crate) fn run(args: &RunArgs) -> exit::CommandResult {
     let mut claims = claims(&compiled, &bundle);
     several.0.push(&mut claims);
     let interrupt = Interrupt::listen()?;
-    let mut outcome = execute(args, &bundle, &interrupt, &mut several)?;
+    let mut outcome = execute(args, (&bundle, mcap), &interrupt, &mut several)?;
     outcome.digest = digest.map(|digest| digest.to_hex());
     let mut faults = Faults::from_outcome(&outcome);
     let (mut diagnostics, summary) = claims.into_diagnostics(&mut outcome, &mut faults);
@@ -72,7 +76,7 @@ pub(crate) fn run(args: &RunArgs) -> exit::CommandResult {
         "{}{summary}",
         render(&diagnostics, &compiled.sources, style)
     );
-    let file = record.unwrap_or(Path::new("")).display();
+    let file = record.or(mcap).unwrap_or(Path::new("")).display();
     let recorded = match (rows, &outcome.unrecorded) {
         (Some(rows), _) => rows.finish().map_err(|e| format!("{file}: {e}").into()),
         (None, Some(why)) => Err(format!("{file}: {why}").into()),
@@ -88,6 +92,7 @@ pub(crate) fn run(args: &RunArgs) -> exit::CommandResult {
     })?;
     // The summary is printed before an error of writing the files is returned.
     recorded.and(drawn)?;
+    report.map_or(Ok(()), |report| report.write())?;
     Ok(exit(&outcome, &interrupt))
 }
 
@@ -96,6 +101,9 @@ fn output_files(args: &RunArgs) -> Result<(Option<&Path>, Option<&Path>), &'stat
     let (record, plot) = (args.record.as_deref(), args.plot.as_deref());
     if record.is_some() && record == plot {
         return Err("--record and --plot must name different files");
+    }
+    if args.report.is_some() && [record, plot].contains(&args.report.as_deref()) {
+        return Err("--report must name a file of its own");
     }
     if args.recording.needs_mcap() && !record.is_some_and(is_mcap) {
         return Err("--profile, --part-size and --part-time need --record FILE.mcap");
@@ -137,15 +145,15 @@ fn claims(compiled: &Compiled, bundle: &TaskBundle) -> ClaimMonitorSink {
     ClaimMonitorSink::new(nets.map(|net| (net.name.as_str(), net.claims.as_slice())))
 }
 
+/// Runs the commands. `recorded` is the file of the recording of the run.
 fn execute(
     args: &RunArgs,
-    bundle: &TaskBundle,
+    (bundle, recorded): (&TaskBundle, Option<&Path>),
     interrupt: &Interrupt,
     sink: &mut dyn Sink,
 ) -> Result<Outcome, Box<dyn Error>> {
     let (cell, text) = target::cell(&args.program, &args.target, bundle)?;
-    let recording = args.record.as_deref().filter(|path| is_mcap(path));
-    let recording = recording.map(|path| mcap_recording(path, args, text));
+    let recording = recorded.map(|path| mcap_recording(path, args, text));
     let tick_ns = bundle.images.first().map_or(1, |image| image.period_ns);
     let mut progress = ProgressLine::default();
     let mut show_progress =
@@ -186,7 +194,7 @@ fn execute(
     });
     drop(heartbeat);
     progress.clear();
-    let file = args.record.as_deref().unwrap_or(Path::new("")).display();
+    let file = recorded.unwrap_or(Path::new("")).display();
     outcome.map_err(|failure| match failure {
         RunError::Recording(why) => format!("{file}: {why}").into(),
         RunError::BudgetExceeded { .. } => format!("{failure}\n  {BUDGET_HELP}").into(),
@@ -264,7 +272,7 @@ fn mcap_recording(
 
 /// Creates an output file of the run. Returns an error if the file is the program or the cell description, because it
 /// would be overwritten.
-fn create(path: &Path, args: &RunArgs) -> Result<File, Box<dyn Error>> {
+pub(crate) fn create(path: &Path, args: &RunArgs) -> Result<File, Box<dyn Error>> {
     let cell = target::cell_file(&args.program, &args.target);
     output::create(path, &[&args.program, &cell])
 }

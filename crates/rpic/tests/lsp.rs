@@ -63,7 +63,7 @@ fn an_editor_is_served_from_its_first_message_to_its_last() {
     );
     let list = client.result("textDocument/completion", at(&uri, "arm.tcp"));
     let items = list["items"].as_array().unwrap();
-    assert!(items.iter().any(|item| item["label"] == "way"));
+    assert!(items.iter().any(|item| item["label"] == "arm"));
 
     let untidy = PROGRAM
         .replace("  way =", "way=")

@@ -30,14 +30,17 @@ pub(super) fn grammar() -> String {
         "scopeName": "source.rpi",
         "fileTypes": ["rpi", "lus"],
         "patterns": [
-            { "include": "#comments" }, { "include": "#literals" }, { "include": "#declarations" },
-            { "include": "#words" }, { "include": "#operators" },
+            { "include": "#comments" }, { "include": "#literals" }, { "include": "#types" },
+            { "include": "#declarations" }, { "include": "#words" }, { "include": "#calls" },
+            { "include": "#operators" },
         ],
         "repository": {
             "comments": { "patterns": comments() },
             "literals": { "patterns": literals() },
             "declarations": { "patterns": declarations() },
             "words": { "patterns": words() },
+            "types": { "patterns": types() },
+            "calls": { "patterns": calls() },
             "operators": { "patterns": [match_rule("keyword.operator", r"->|=>|\?\?|<>|<=|>=|<<|>>|\*\*|[-+*/%^|#=<>?]")] },
         },
     });
@@ -56,12 +59,38 @@ fn comments() -> Value {
 }
 
 fn literals() -> Value {
-    let number = r"(\b0[xX][0-9a-fA-F]+|\b[0-9]+(?:\.[0-9]*)?(?:[eE][-+]?[0-9]+)?|\.[0-9]+(?:[eE][-+]?[0-9]+)?)";
+    // The point of `1..3` belongs to the range, and that of `a.1` to no number.
+    let number = r"(\b0[xX][0-9a-fA-F]+|\b[0-9]+(?:\.(?!\.)[0-9]*)?(?:[eE][-+]?[0-9]+)?|(?<![\w.])\.[0-9]+(?:[eE][-+]?[0-9]+)?)";
     json!([
         { "name": scope("string.quoted.double"), "begin": "\"", "end": "\"|$",
           "patterns": [match_rule("constant.character.escape", r"\\.")] },
         { "match": format!(r"{number}(?:(\[)([^\]]*)(\]))?"),
           "captures": { "1": { "name": scope("constant.numeric") }, "3": { "name": scope("keyword.other.unit") } } },
+    ])
+}
+
+/// Returns the patterns of types: `real` with its unit, and the type after the colon of a declaration. The colon of an
+/// argument (`f(x: y)`) and of a step (`again: Go()`) looks the same; there a value follows, which ends with a bracket,
+/// an operator or a semicolon that a type does not have.
+fn types() -> Value {
+    let capitalised = r"[A-Z][A-Za-z0-9_']*";
+    json!([
+        { "match": r"(?<![.\w'])(real)\s*(\[)([^\]]*)(\])",
+          "captures": { "1": { "name": scope("storage.type") }, "3": { "name": scope("keyword.other.unit") } } },
+        { "match": format!(r"(:)\s*({capitalised})(?=\s*(?:[;)?^=]|when\b|<<|\(\s*{NAME}\s*(?:\.|\bin\b|\))|$))"),
+          "captures": { "2": { "name": scope("entity.name.type") } } },
+        { "match": format!(r"\b(type|datatype|device)\s+({NAME})"),
+          "captures": { "1": { "name": scope("keyword.control") }, "2": { "name": scope("entity.name.type") } } },
+    ])
+}
+
+/// Returns the patterns of calls, `f(x)` and `f<<n>>(x)`, and of members after a dot.
+fn calls() -> Value {
+    json!([
+        { "match": format!(r"(\.)({NAME})"),
+          "captures": { "2": { "name": scope("variable.other.member") } } },
+        { "match": format!(r"\b((?:{NAME}::)*{NAME})(?=\s*(?:\(|<<))"),
+          "captures": { "1": { "name": scope("entity.name.function.call") } } },
     ])
 }
 

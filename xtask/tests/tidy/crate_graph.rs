@@ -115,6 +115,7 @@ const EDGES: &[(&str, &[&str])] = &[
             "rpi-sim",
         ],
     ),
+    ("rpi-view", &["rpi-image", "rpi-record"]),
     ("rpi-client", &[]),
     (
         "rpi-serve",
@@ -179,6 +180,7 @@ const EDGES: &[(&str, &[&str])] = &[
             "rpi-runtime",
             "rpi-serve",
             "rpi-sim",
+            "rpi-view",
         ],
     ),
     ("rpi-reference", &["rpi-image", "rpi-sema", "rpi-syntax"]),

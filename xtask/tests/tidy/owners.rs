@@ -8,14 +8,16 @@ use xtask::packages;
 /// are shared vocabulary, libm is the one implementation of arithmetic, and the derives of serde and clap do not expose
 /// types in interfaces.
 const OWNERS: &[(&str, &[&str])] = &[
+    ("base64", &["rpi-view"]),
     ("cap", &["rpi-fuzz", "rpi-testkit"]),
     ("clap", &["rpi", "rpi-cli", "rpic"]),
     ("clap_complete", &["rpi-cli"]),
     ("clap_mangen", &["rpi-cli"]),
     ("crc32fast", &["rpi-record"]),
-    ("flate2", &["rpi-files", "rpi-testkit"]),
+    ("flate2", &["rpi-files", "rpi-testkit", "rpi-view"]),
     ("hashbrown", &["rpi-lower", "rpi-net"]),
     ("hdrhistogram", &["rpi-runtime"]),
+    ("httparse", &["rpi-view"]),
     ("lalrpop", &["rpi-syntax"]),
     ("lalrpop-util", &["rpi-syntax"]),
     ("libc", &["rpi-runtime"]),
@@ -76,6 +78,7 @@ const OWNERS: &[(&str, &[&str])] = &[
             "rpi-runtime",
             "rpi-serve",
             "rpi-testkit",
+            "rpi-view",
             "xtask",
         ],
     ),

@@ -10,10 +10,20 @@ use rpi_syntax::{Dialect, Name, parse};
 #[derive(Clone, Debug)]
 pub(super) struct LibraryName {
     pub(super) module: &'static str,
+    pub(super) kind: LibraryKind,
     pub(super) name: Name,
     /// Text of the declaration without its body.
     pub(super) head: String,
     pub(super) doc: Option<Doc>,
+}
+
+/// Kind of a name of the library, which decides where it can stand.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub(super) enum LibraryKind {
+    /// Callable or constant.
+    Value,
+    /// Type or device type.
+    Type,
 }
 
 /// Returns the names that all modules of the standard library declare, by module and in source order.
@@ -31,6 +41,10 @@ fn module_names(module: &'static str) -> Vec<LibraryName> {
     let offer = |item: &Item| {
         Some(LibraryName {
             module,
+            kind: match item.kind {
+                ItemKind::Device(_) | ItemKind::Type(_) => LibraryKind::Type,
+                _ => LibraryKind::Value,
+            },
             name: declared_name(item)?,
             head: rpi_syntax::header(item, Dialect::Rpi),
             doc: item.doc.clone(),

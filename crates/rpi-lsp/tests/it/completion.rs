@@ -1,4 +1,4 @@
-//! Completion.
+//! Completion: the edits of its items. The offered names are in `cases.rs`.
 
 use serde_json::{Value, json};
 
@@ -13,18 +13,6 @@ fn labels(marked: &str) -> Vec<String> {
     labels
 }
 
-/// Asserts that the completion items at `|` include all the expected labels.
-#[track_caller]
-fn offers(marked: &str, expected: &[&str]) {
-    let found = labels(marked);
-    for label in expected {
-        assert!(
-            found.iter().any(|one| one == label),
-            "no `{label}` among {found:?}"
-        );
-    }
-}
-
 const HEAD: &str = "use motion;\n\
     type Phase = enum { Idle, Busy };\n\
     type Pair = struct { left: real; right: real };\n\
@@ -33,61 +21,6 @@ const HEAD: &str = "use motion;\n\
 
 fn in_body(line: &str) -> String {
     format!("{HEAD}  {line}\n  finish at_end when way.done;\ntel\n")
-}
-
-#[test]
-fn locals_declarations_library_primitives_and_words_are_offered() {
-    let expected = [
-        "way",
-        "arm",
-        "there",
-        "F",
-        "Go",
-        "Phase",
-        "Busy",
-        "Line",
-        "crosses",
-        "pose",
-        "time",
-        "present",
-        "Core::DoubleAdd",
-        "if",
-        "fragment",
-    ];
-    offers(&in_body("x = d|"), &expected);
-    let found = labels(&in_body("x = d|"));
-    assert!(
-        !found.contains(&"inside".to_owned()),
-        "only F.inside is visible from outside"
-    );
-}
-
-#[test]
-fn members_are_those_of_what_stands_before_the_dot() {
-    assert_eq!(labels(&in_body("x = F.|")), ["inside"]);
-    assert_eq!(labels(&in_body("x = way.pose.|")), ["position", "rotation"]);
-    assert_eq!(labels(&in_body("x = way.st|"))[..2], ["joints", "pose"]);
-    offers(&in_body("arm.|"), &["tcp", "joints", "pose", "error"]);
-    assert_eq!(labels(&in_body("x = (predecessor = Go.|);")), ["at_end"]);
-    let fields = "type Pair = struct { left: real; right: real };\n\
-                  node f (p: Pair) returns (y: real)\nlet\n  y = p.|\ntel\n";
-    assert_eq!(labels(fields), ["left", "right"]);
-    assert_eq!(labels(&in_body("x = nothing.|")), Vec::<String>::new());
-}
-
-#[test]
-fn arguments_are_offered_by_name_until_they_are_given() {
-    let found = labels(&in_body("x = Line<<to: there, |"));
-    assert_eq!(found[..5], ["n", "speed", "acceleration", "jerk", "arm"]);
-    assert!(!found[..8].contains(&"to".to_owned()));
-    offers(&in_body("x = distance(|"), &["a", "b"]);
-}
-
-#[test]
-fn units_and_modules_are_offered_where_they_stand() {
-    offers(&in_body("x = 250[|"), &["m", "deg", "rpm"]);
-    let found = labels("use |");
-    assert!(found.contains(&"motion".to_owned()) && !found.contains(&"if".to_owned()));
 }
 
 #[test]

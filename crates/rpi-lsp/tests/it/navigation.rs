@@ -179,6 +179,7 @@ fn names_of_the_library_lead_to_a_copy_of_it() {
             .unwrap();
         assert!(path.ends_with("stdlib/motion.rpi"), "{path}");
         let text = std::fs::read_to_string(path).unwrap();
+        assert!(std::fs::metadata(path).unwrap().permissions().readonly());
         let start = &found["range"]["start"];
         let line = text
             .lines()

@@ -52,7 +52,7 @@ impl Session {
         let params = json!({
             "textDocument": { "uri": URI },
             "position": position,
-            "context": { "includeDeclaration": true, "triggerKind": 1 },
+            "context": { "includeDeclaration": true, "triggerKind": 1, "isRetrigger": false },
         });
         self.client
             .result(&format!("textDocument/{method}"), params)

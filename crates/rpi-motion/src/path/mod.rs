@@ -7,6 +7,7 @@
 pub mod arc;
 pub mod corner;
 pub mod joint_line;
+pub mod landmark;
 pub mod line;
 pub mod orientation;
 pub mod polyline;
@@ -17,6 +18,7 @@ use crate::Joints;
 pub use arc::{Arc, ArcError, ArcOrientation};
 pub use corner::Corner;
 pub use joint_line::JointLine;
+pub use landmark::Landmark;
 pub use line::Line;
 pub use polyline::ZoneError;
 use rpi_kin::Pose;

@@ -72,6 +72,7 @@ const FAMILIES: &[&[Prim]] = &[
     rpi_ops::machine_int::ALL,
     rpi_ops::logic::ALL,
     rpi_ops::motion::ALL,
+    rpi_ops::path_event::ALL,
     rpi_ops::real::ALL,
     rpi_ops::spatial::ALL,
     rpi_ops::ticks::ALL,

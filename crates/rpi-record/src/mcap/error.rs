@@ -15,6 +15,8 @@ pub enum RecordingError {
     Unreadable(String),
     /// The requests, events and images of the recording together are larger than this number of bytes.
     TooLarge(usize),
+    /// The requested ticks of the recording have more values than this number.
+    TooLong(usize),
     /// The recording lacks a part that is needed for reading it; the text names the part.
     Missing(String),
 }
@@ -40,6 +42,10 @@ impl fmt::Display for RecordingError {
                 f,
                 "the recording is too large to be replayed: its requests, events and images have more than {} MiB",
                 limit >> 20
+            ),
+            RecordingError::TooLong(limit) => write!(
+                f,
+                "the recording is too long: it has more than {limit} values; select a shorter time"
             ),
             RecordingError::Missing(what) => write!(f, "the recording has no {what}"),
         }

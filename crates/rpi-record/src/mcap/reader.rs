@@ -33,6 +33,10 @@ pub struct Recording {
     pub program: String,
     pub(super) continuity: Continuity,
     pub(super) cell: Cell,
+    /// Text of the cell description.
+    pub(super) cell_text: String,
+    /// Text of the program; `None` if the recording has none.
+    pub(super) source: Option<String>,
     pub(super) images: Vec<Arc<Image>>,
     pub(super) requests: Vec<Value>,
     pub(super) events: Vec<Value>,
@@ -55,6 +59,8 @@ struct RecordCollection {
     channels: BTreeMap<u16, (String, String)>,
     metadata: BTreeMap<String, BTreeMap<String, String>>,
     cell: Option<Vec<u8>>,
+    /// Content of the program.
+    program: Option<Vec<u8>>,
     images: Vec<Arc<Image>>,
     requests: Vec<Value>,
     events: Vec<Value>,
@@ -184,6 +190,9 @@ impl RecordCollection {
             Record::Attachment { header, data, .. } if header.name == "cell.toml" => {
                 self.cell.get_or_insert(data.into_owned());
             }
+            Record::Attachment { header, data, .. } if header.name.starts_with("program/") => {
+                self.program.get_or_insert(data.into_owned());
+            }
             Record::Metadata(metadata) => {
                 let is_head = metadata.name == "rpi";
                 self.metadata.insert(metadata.name, metadata.metadata);
@@ -301,7 +310,10 @@ impl RecordCollection {
             Ok(()) => lost.ok_or_else(|| RecordingError::Missing("number of lost ticks".into()))?,
             Err(_) => 0,
         };
+        let cell_text = String::from_utf8_lossy(self.cell.as_deref().unwrap_or_default());
         Ok(Recording {
+            cell_text: cell_text.into_owned(),
+            source: self.program.clone().and_then(|p| String::from_utf8(p).ok()),
             tick_ns: parse_tick_ns(self.key("tick_ns")?)?,
             program: self.key("program")?.to_owned(),
             continuity: policy_from_keyword(self.key("on_jump")?).unwrap_or_default(),

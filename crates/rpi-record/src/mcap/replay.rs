@@ -2,7 +2,7 @@
 
 use std::collections::{BTreeMap, BTreeSet, VecDeque};
 
-use rpi_core::{CommandId, Notice};
+use rpi_core::{Command, CommandId, CycleObserver, Notice};
 use rpi_sim::SimBank;
 use serde_json::Value;
 
@@ -26,6 +26,17 @@ use rpi_runtime::tick_log::{
 /// # Errors
 /// Returns an error if the recording is not complete enough to be replayed.
 pub fn replay(recording: &Recording) -> Result<ReplayReport, RecordingError> {
+    replay_observed(recording, &mut |_, _, _| {})
+}
+
+/// Callback for a command after each of its cycles in a replay: number of the tick, id and state of the command.
+type CycleCallback<'a> = &'a mut dyn FnMut(u64, CommandId, &Command);
+
+/// Replays a recording as [`replay`] does, and passes each command to `observe` after each of its cycles.
+pub(super) fn replay_observed(
+    recording: &Recording,
+    observe: CycleCallback<'_>,
+) -> Result<ReplayReport, RecordingError> {
     let mut stage = ReplayRun::new(recording)?;
     stage.report.lost = recording.lost;
     stage.report.cut.clone_from(&recording.cut);
@@ -37,7 +48,7 @@ pub fn replay(recording: &Recording) -> Result<ReplayReport, RecordingError> {
         if tick.lost > 0 || unknown || stage.report.difference.is_some() {
             return Ok(false);
         }
-        stage.tick(&tick);
+        stage.tick(&tick, observe);
         Ok(true)
     })?;
     if recording.cut.is_some() {
@@ -46,6 +57,21 @@ pub fn replay(recording: &Recording) -> Result<ReplayReport, RecordingError> {
         stage.check_missing_events();
     }
     Ok(stage.report)
+}
+
+/// Observer of a replay: records the flows of commands and passes each command to a callback.
+struct ReplayObserver<'a, 'c> {
+    probe: &'a mut FlowProbe,
+    /// Number of the tick that is replayed.
+    tick: u64,
+    observe: CycleCallback<'c>,
+}
+
+impl CycleObserver for ReplayObserver<'_, '_> {
+    fn cycle_finished(&mut self, id: CommandId, command: &Command) {
+        self.probe.cycle_finished(id, command);
+        (self.observe)(self.tick, id, command);
+    }
 }
 
 /// State of a replay that is in progress: a core with recorded devices, the remaining requests and events, and the
@@ -110,7 +136,7 @@ impl<'a> ReplayRun<'a> {
         })
     }
 
-    fn tick(&mut self, tick: &LoggedTick<'_>) {
+    fn tick(&mut self, tick: &LoggedTick<'_>, observe: CycleCallback<'_>) {
         for request in self.requests.remove(&tick.number).unwrap_or_default() {
             // The queue has room: its capacity is at least the number of recorded requests.
             self.control.request(request.0, request.1);
@@ -119,7 +145,12 @@ impl<'a> ReplayRun<'a> {
         self.apply_halts();
         if tick.ticked {
             self.probe.begin();
-            self.executive.tick(tick.wall_ns, &mut self.probe);
+            let mut observer = ReplayObserver {
+                probe: &mut self.probe,
+                tick: tick.number,
+                observe,
+            };
+            self.executive.tick(tick.wall_ns, &mut observer);
             self.apply_halts();
             self.report.ticks += 1;
         }

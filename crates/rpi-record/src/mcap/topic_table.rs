@@ -21,6 +21,11 @@ pub(super) struct ViewTopic {
 }
 
 impl ViewTopic {
+    /// Returns names and types of the fields of the topic.
+    pub(super) fn fields(&self) -> &[FlowName] {
+        &self.topic.fields
+    }
+
     fn new(profile: Profile, topic: Arc<Topic>) -> Arc<ViewTopic> {
         let encoder = TopicEncoder::new(profile, &topic);
         let encoded = EncodedTopic {
@@ -79,7 +84,17 @@ pub(super) struct ViewMessage<'a> {
     values: Vec<Option<&'a [u64]>>,
 }
 
-impl ViewMessage<'_> {
+impl<'a> ViewMessage<'a> {
+    /// Returns the topic of the message.
+    pub(super) fn topic(&self) -> &Arc<ViewTopic> {
+        &self.topic
+    }
+
+    /// Returns the memory words of each field of the topic; `None` for an absent value.
+    pub(super) fn values(&self) -> &[Option<&'a [u64]>] {
+        &self.values
+    }
+
     /// Encodes the message. `at` is its time in nanoseconds since the Unix epoch, and the number of the cycle.
     pub(super) fn encode(&self, at: (u64, u64)) -> Vec<u8> {
         let ViewTopic { topic, encoder, .. } = &*self.topic;

@@ -13,11 +13,11 @@ const VECTOR: &[&str] = &["x", "y", "z"];
 const QUATERNION: &[&str] = &["x", "y", "z", "w"];
 
 /// Part of a structured value in JSON, such as the position of a pose: its name, and the names of its real components.
-type Part = (&'static str, &'static [&'static str]);
+pub(super) type Part = (&'static str, &'static [&'static str]);
 
 /// Returns the parts of a scalar type in JSON, such as position and orientation of a pose. A single part without a name
 /// is the value itself; types without components have no parts.
-fn scalar_parts(scalar: Scalar) -> &'static [Part] {
+pub(super) fn scalar_parts(scalar: Scalar) -> &'static [Part] {
     match scalar {
         Scalar::Bool | Scalar::Int | Scalar::Real | Scalar::Time => &[],
         Scalar::Vector => &[("", VECTOR)],

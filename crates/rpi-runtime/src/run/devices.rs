@@ -1,12 +1,12 @@
 //! Device samples and final device states of a run.
 
-use rpi_device::{DeviceBank, PortKind, PortQuery};
+use rpi_device::{DeviceBank, ErrorCode, PortKind, PortQuery};
 use rpi_image::{Scalar, Type};
 use rpi_sim::cell::DeviceKind;
 use rpi_sim::{Cell, Report, SimBank};
 
 use super::cycle::DeviceTap;
-use super::outcome::{DeviceEnd, DeviceProblem};
+use super::outcome::{DeviceEnd, DeviceProblem, ProblemPlace};
 use super::samples::{Channel, Source};
 
 /// Maximum number of distinct problems that are listed per device in the outcome of a run.
@@ -66,6 +66,13 @@ pub(super) fn taps(cell: &Cell, bank: &mut SimBank) -> (Box<[DeviceTap]>, Vec<Ch
     (taps.into(), channels)
 }
 
+/// Returns the channels of the device ports of a cell that are sampled in every tick, in the order of their indices in
+/// a tick log. `tick_ns` is the tick length in nanoseconds.
+#[must_use]
+pub fn sampled_channels(cell: &Cell, tick_ns: u64) -> Vec<Channel> {
+    taps(cell, &mut SimBank::new(cell, tick_ns as f64 * 1e-9)).1
+}
+
 fn channel_name(device: &str, port: &str, index: usize, count: usize) -> String {
     match count {
         1 => format!("{device}.{port}"),
@@ -112,8 +119,8 @@ fn count_problem(troubles: &mut Vec<DeviceProblem>, report: &Report) {
         Some(k) => troubles[k].times += 1,
         None if troubles.len() < MAX_PROBLEMS => troubles.push(DeviceProblem {
             what,
-            is_refusal: !report.code.is_failure(),
-            is_on_path: report.code.is_on_path(),
+            is_refusal: !report.code.is_failure() && report.code != ErrorCode::EVENT_MISSED,
+            place: ProblemPlace::of(report.code),
             axis: report.axis,
             times: 1,
             first: report.time,

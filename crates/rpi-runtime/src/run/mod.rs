@@ -32,6 +32,7 @@ pub(crate) use print::format_duration as time_text;
 
 pub use budget_check::RunBudget;
 pub use collector::TickCollector;
+pub use devices::sampled_channels;
 pub use end_text::{
     abort_text, actuator_discontinuity_text, fault_advice, fault_message, fault_text,
 };

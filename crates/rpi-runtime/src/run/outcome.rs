@@ -1,5 +1,6 @@
 //! Outcome of a run.
 
+use rpi_device::ErrorCode;
 use rpi_image::Image;
 use rpi_image::image::TextRange;
 use rpi_prims::{Fault, FaultCode, FaultValues};
@@ -205,9 +206,9 @@ pub struct DeviceProblem {
     /// Whether the device rejected a set-point; false if the device itself failed.
     #[serde(skip)]
     pub is_refusal: bool,
-    /// Whether `value` is a position along a path and `limit` the length of the path, both in m.
+    /// Meaning of `value` and `limit`.
     #[serde(skip)]
-    pub is_on_path: bool,
+    pub place: ProblemPlace,
     /// Index of the axis, from 0; `None` if the problem concerns the whole device.
     pub axis: Option<usize>,
     /// Number of times that the problem was reported.
@@ -218,6 +219,33 @@ pub struct DeviceProblem {
     pub value: f64,
     /// Limit that the value exceeds, in SI units; 0 if there is none.
     pub limit: f64,
+}
+
+/// Meaning of the value and the limit of a problem that a device has reported.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub enum ProblemPlace {
+    /// The value exceeds the limit.
+    None,
+    /// The value is a position along a path of the tool, the limit is the length of the path, both in m.
+    OnPath,
+    /// The value is the place of an event, the limit the length of the path, both in m (rad for a motion of the axes).
+    OffPath,
+    /// The value is the place of an event, the limit the place that the motion has reached, both in m (rad for a motion of
+    /// the axes).
+    Ahead,
+}
+
+impl ProblemPlace {
+    /// Returns the meaning of value and limit for an error code.
+    #[must_use]
+    pub fn of(code: ErrorCode) -> Self {
+        match code {
+            ErrorCode::EVENT_MISSED => Self::Ahead,
+            ErrorCode::NO_SUCH_PLACE => Self::OffPath,
+            code if code.is_on_path() => Self::OnPath,
+            _ => Self::None,
+        }
+    }
 }
 
 impl RunEnd {

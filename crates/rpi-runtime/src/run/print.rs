@@ -4,7 +4,9 @@ use std::fmt;
 
 use rpi_words::{times, with_noun};
 
-use super::outcome::{CommandEnd, CommandOverruns, DeviceEnd, DeviceProblem, Outcome, RunEnd};
+use super::outcome::{
+    CommandEnd, CommandOverruns, DeviceEnd, DeviceProblem, Outcome, ProblemPlace, RunEnd,
+};
 use crate::realtime::Percentiles;
 
 impl fmt::Display for Outcome {
@@ -214,20 +216,16 @@ impl fmt::Display for DeviceProblem {
             1 => write!(f, ", at {:.3} s", self.first)?,
             times => write!(f, ", {times} times, first at {:.3} s", self.first)?,
         }
-        if self.is_on_path {
-            write!(
-                f,
-                ": {:.4} m along a path of {:.4} m",
-                self.value, self.limit
-            )?;
-        } else if self.limit != 0.0 {
-            write!(
-                f,
-                ": {:.4} where {:.4} is the limit",
-                self.value, self.limit
-            )?;
+        let (value, limit) = (self.value, self.limit);
+        match self.place {
+            ProblemPlace::OnPath => write!(f, ": {value:.4} m along a path of {limit:.4} m"),
+            ProblemPlace::OffPath => write!(f, ": {value:.4} on a path of length {limit:.4}"),
+            ProblemPlace::Ahead => write!(f, ": at {value:.4}, the motion came to {limit:.4}"),
+            ProblemPlace::None if limit != 0.0 => {
+                write!(f, ": {value:.4} where {limit:.4} is the limit")
+            }
+            ProblemPlace::None => Ok(()),
         }
-        Ok(())
     }
 }
 

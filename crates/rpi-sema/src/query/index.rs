@@ -74,6 +74,12 @@ impl Index {
         &self.defs[id.0 as usize]
     }
 
+    /// Returns the definition with this index; `None` if there is none, because the index is that of another program.
+    #[must_use]
+    pub fn get(&self, id: DefId) -> Option<&Def> {
+        self.defs.get(id.0 as usize)
+    }
+
     /// Returns all definitions in a file, each after the definition that contains it.
     pub fn defs_in(&self, file: FileId) -> impl Iterator<Item = (DefId, &Def)> {
         let all = (0..).map(DefId).zip(&self.defs);

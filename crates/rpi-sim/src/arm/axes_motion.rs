@@ -1,9 +1,11 @@
-//! Motions of the axes without a path: the device functions `move_axes`, `follow_joints`, `move_at_velocity` and `hold`.
+//! Motions of the axes without a path: the device functions `move_axes`, `follow_joints`, `move_at_velocity`, `hold` and
+//! `follow_chunks`.
 
+use super::chunks::Chunks;
 use super::kinematics::PerAxis;
 use super::limits::Violation;
 use super::path_fault::{PathFault, out_of_range};
-use crate::device::real_at;
+use crate::device::{SlotWriter, real_at};
 use crate::error_code::ErrorCode;
 use rpi_kin::MAX_AXES;
 use rpi_kin::state_to_rest::Bounds;
@@ -21,18 +23,23 @@ pub(super) enum AxesMotionKind {
     AtVelocity,
     /// The axes come to rest and stay there. The motion has no target.
     Hold,
+    /// The axes follow chunks of positions. Target: the newest chunk, read when its number changes.
+    Chunks,
 }
 
 /// Motion of the axes of an arm without a path; inactive while the arm makes a motion along a path.
 #[derive(Clone, Debug)]
 pub(super) struct AxesMotion {
     motion: JointMotion,
+    chunks: Chunks,
     kind: Option<AxesMotionKind>,
     /// Position of each axis at the end of a motion to a position, rad.
     to: PerAxis,
     /// Distance that the farthest moving axis travels during a motion to a position, rad; 0 for other motions.
     way: f64,
     at_range_end: Option<usize>,
+    /// Share of the requested speed in the last cycle, from 0 to 1; 0 while the motion pauses.
+    speed_share: f64,
 }
 
 /// Requested bounds that exceed the limits of every axis, so that only the limits apply.
@@ -46,16 +53,23 @@ impl AxesMotion {
     pub(super) fn new(arm: rpi_motion::Arm, tick: f64) -> Self {
         Self {
             motion: JointMotion::new(arm, tick),
+            chunks: Chunks::new(arm, tick),
             kind: None,
             to: PerAxis::default(),
             way: 0.0,
             at_range_end: None,
+            speed_share: 0.0,
         }
     }
 
     /// Returns true if the present motion of the arm is one of the axes without a path.
     pub(super) fn is_present(&self) -> bool {
         self.kind.is_some()
+    }
+
+    /// Writes what a motion along chunks reports beside its set-point.
+    pub(super) fn put_chunk_report(&self, out: &mut SlotWriter<'_>) {
+        self.chunks.put_report(out);
     }
 
     /// Marks that the arm now makes a motion along a path instead.
@@ -65,12 +79,26 @@ impl AxesMotion {
 
     /// Returns the state of the axes `elapsed` seconds after the last set-point if the arm stops on its own.
     pub(super) fn stopping(&self, elapsed: f64) -> JointState {
-        self.motion.stopping(elapsed)
+        match self.kind {
+            Some(AxesMotionKind::Chunks) => self.chunks.stopping(elapsed),
+            _ => self.motion.stopping(elapsed),
+        }
     }
 
     /// Returns the distance that the farthest moving axis travels, rad; 0 for a motion without a known end.
     pub(super) fn way(&self) -> f64 {
         self.way
+    }
+
+    /// Returns the time (s) from the last set-point until the farthest moving axis has travelled the distance `place`
+    /// (rad), as planned in the last cycle. `None` without a plan that leads there.
+    pub(super) fn time_until(&self, arm: &Arm, place: f64) -> Option<f64> {
+        if self.kind != Some(AxesMotionKind::ToPosition) {
+            return None;
+        }
+        let travelled = |state: &JointState| self.set_point(arm, state, false).path.s;
+        self.motion
+            .time_until(&self.to, self.speed_share, travelled, place)
     }
 
     /// Begins a motion from the state `state` of the arm, with the bounds `requested` for each axis. `target` are the
@@ -94,7 +122,10 @@ impl AxesMotion {
             _ if requested.are_positive() => requested,
             _ => return Err(ErrorCode::NOT_POSITIVE.into()),
         };
-        let begun = self.motion.begin(state, requested, period);
+        let begun = match kind {
+            AxesMotionKind::Chunks => self.chunks.begin(state, requested, period),
+            _ => self.motion.begin(state, requested, period),
+        };
         begun.map_err(|_| PathFault::from(ErrorCode::NOT_A_NUMBER))?;
         self.kind = Some(kind);
         self.at_range_end = None;
@@ -115,6 +146,15 @@ impl AxesMotion {
         controls: Controls,
     ) -> Option<SetPoint> {
         let axes = arm.axes();
+        if self.kind? == AxesMotionKind::Chunks {
+            let (state, done) = self.chunks.next(arm, target, controls);
+            return Some(self.set_point(arm, &state, done));
+        }
+        self.speed_share = if controls.paused {
+            0.0
+        } else {
+            controls.speed_share
+        };
         let goal = match self.kind? {
             _ if controls.paused => JointGoal::Rest,
             AxesMotionKind::ToPosition => JointGoal::Position(self.to),
@@ -123,7 +163,7 @@ impl AxesMotion {
                 velocity: reals(target, axes, axes),
             },
             AxesMotionKind::AtVelocity => JointGoal::Velocity(reals(target, 0, axes)),
-            AxesMotionKind::Hold => JointGoal::Rest,
+            AxesMotionKind::Hold | AxesMotionKind::Chunks => JointGoal::Rest,
         };
         let next = self.motion.next_set_point(&goal, controls.speed_share);
         self.at_range_end = next.at_range_end;

@@ -7,6 +7,7 @@
 mod axes_motion;
 mod axis;
 mod brake;
+mod chunks;
 pub(crate) mod driven;
 pub(crate) mod external;
 mod faults;

@@ -4,6 +4,7 @@
 //! caller passes it back in each of the next cycles. The set-point of the call is that of the end of the period.
 
 mod call;
+mod events;
 mod free_motion;
 mod tool;
 
@@ -16,6 +17,8 @@ use super::tool_path::ToolPathKind;
 use crate::error_code::ErrorCode;
 pub(super) use call::RESULT_SLOTS;
 use call::Request;
+use events::PathEvents;
+pub(super) use events::{EVENT_SLOTS, call_path_event, report_events_of_ended_motion};
 use rpi_kin::state_to_rest::Bounds;
 use rpi_kin::{ArmModel, AxisLimits, MAX_AXES, Pose};
 use rpi_motion::PathError;
@@ -86,6 +89,8 @@ pub(super) struct Motion {
     at_end: bool,
     /// Stop of the arm on its own along the path of the motion; `None` while it follows set-points.
     brake: Option<PathBrake>,
+    /// Events on the path that a program waits for.
+    events: PathEvents,
 }
 
 /// Stop of an arm on its own along the path of its motion.
@@ -123,6 +128,7 @@ impl Motion {
             error: ErrorCode::OK,
             at_end: false,
             brake: None,
+            events: PathEvents::default(),
         }
     }
 

@@ -1,6 +1,7 @@
 //! Access to the arm's ports: reading sensors, checking and staging set-points, calling functions.
 
 use super::limits::{AxisState, Violation};
+use super::motion::call_path_event;
 use super::port_table::{PORTS, PortAction, PortRow, Target};
 use super::{Arm, parameters};
 use crate::bank::CellDevice;
@@ -262,6 +263,9 @@ impl Device for Arm {
         match port_row(slot).map(|line| &line.action) {
             Some(PortAction::Plan(kind)) => {
                 self.call_motion(*kind, arguments, &mut SlotWriter::new(result))
+            }
+            Some(PortAction::PathEvent) => {
+                call_path_event(self, arguments, &mut SlotWriter::new(result))
             }
             Some(PortAction::Call(function)) => {
                 function(self, arguments, &mut SlotWriter::new(result))

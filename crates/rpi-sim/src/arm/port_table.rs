@@ -4,10 +4,11 @@
 //! type `Arm` of `.rpi`.
 
 use super::axes_motion::AxesMotionKind;
+use super::chunks::CHUNK_SLOTS;
 use super::kinematic_functions::{
     inverse_kinematics, inverse_kinematics_nullspace, kinematics, velocity_kinematics,
 };
-use super::motion::RESULT_SLOTS;
+use super::motion::{EVENT_SLOTS, RESULT_SLOTS};
 use super::motion::{MotionKind, PathKind};
 use super::tool_path::ToolPathKind;
 use super::{Arm, kinematics::PerAxis};
@@ -35,6 +36,8 @@ pub(super) enum PortAction {
     Call(fn(&Arm, &[u64], &mut SlotWriter<'_>) -> bool),
     /// The port is a function that plans a motion of this kind, called in each cycle.
     Plan(MotionKind),
+    /// The port is the function that tells when a motion passes a place on its path.
+    PathEvent,
 }
 
 /// Part of an arm that a set-point moves.
@@ -114,26 +117,23 @@ const fn function(
     carries: PortValue,
     act: fn(&Arm, &[u64], &mut SlotWriter<'_>) -> bool,
 ) -> PortRow {
-    PortRow {
-        spec: PortSpec {
-            name,
-            kind: PortKind::Function,
-            value: carries,
-            indexed: false,
-        },
-        action: PortAction::Call(act),
-    }
+    called(name, carries, PortAction::Call(act))
 }
 
 const fn motion(name: &'static str, kind: MotionKind) -> PortRow {
+    let value = PortValue::PerAxisAnd(RESULT_SLOTS);
+    called(name, value, PortAction::Plan(kind))
+}
+
+const fn called(name: &'static str, value: PortValue, action: PortAction) -> PortRow {
     PortRow {
         spec: PortSpec {
             name,
             kind: PortKind::Function,
-            value: PortValue::PerAxisAnd(RESULT_SLOTS),
+            value,
             indexed: false,
         },
-        action: PortAction::Plan(kind),
+        action,
     }
 }
 
@@ -144,6 +144,12 @@ const fn tool_motion(name: &'static str, kind: ToolPathKind) -> PortRow {
 const fn axes_motion(name: &'static str, kind: AxesMotionKind) -> PortRow {
     motion(name, MotionKind::Axes(kind))
 }
+
+const CHUNKS: PortRow = called(
+    "follow_chunks",
+    PortValue::PerAxisAnd(RESULT_SLOTS + CHUNK_SLOTS),
+    PortAction::Plan(MotionKind::Axes(AxesMotionKind::Chunks)),
+);
 
 const REAL: PortValue = PortValue::One(Real);
 const POSE: PortValue = PortValue::One(Pose);
@@ -275,8 +281,14 @@ pub(super) const PORTS: &[PortRow] = &[
     axes_motion("follow_joints", AxesMotionKind::Follow),
     axes_motion("move_at_velocity", AxesMotionKind::AtVelocity),
     axes_motion("hold", AxesMotionKind::Hold),
+    CHUNKS,
     motion("move_tool_in_base", MotionKind::Jog(TwistFrame::Base)),
     motion("move_tool_in_tool", MotionKind::Jog(TwistFrame::Tool)),
+    called(
+        "path_event",
+        PortValue::Reals(EVENT_SLOTS),
+        PortAction::PathEvent,
+    ),
     // Ports of the device type `Arm` of `.rpi`.
     actuator("tcp", POSE, false, PortAction::Move(Target::Tool)),
     actuator("joints", JOINTS, false, PortAction::Move(Target::Joints)),

@@ -4,6 +4,7 @@ use super::Arm;
 use super::axis::Axis;
 use super::brake::Brake;
 use super::limits::Violation;
+use super::motion::report_events_of_ended_motion;
 use super::watchdog::bridge_missing_set_points;
 use crate::device::Report;
 use crate::error_code::ErrorCode;
@@ -14,6 +15,7 @@ impl Arm {
     pub fn step(&mut self, time: f64) {
         self.time = time;
         self.update_faults();
+        report_events_of_ended_motion(self);
         if self.faults.effects.set_points_lost {
             self.drop_staged();
         }

@@ -3,8 +3,8 @@
 use super::children::path_exprs;
 use super::{
     Automaton, Body, Callee, Claim, Clock, ClockValue, CommandDecl, ConditionalBlock, ConstDef,
-    Contract, DeviceDecl, Equation, Expr, ExprKind, FragmentDecl, Locals, Name, NamedType,
-    NodeDecl, NodeDef, Run, Signature, Statement, StatementKind, StaticArg, StaticParam,
+    Contract, DeviceDecl, Equation, Expr, ExprKind, FragmentDecl, Item, ItemKind, Locals, Name,
+    NamedType, NodeDecl, NodeDef, Run, Signature, Statement, StatementKind, StaticArg, StaticParam,
     StaticParamKind, StaticValue, Step, StepKind, TaskDecl, TestDecl, Type, TypeKind, Unit,
     VarDecl,
 };
@@ -28,6 +28,12 @@ pub trait Visitor<'a> {
 
     /// Visits an automaton, before its contents.
     fn visit_automaton(&mut self, _: &'a Automaton) {}
+
+    /// Visits a statement of a body, before its contents.
+    fn visit_statement(&mut self, _: &'a Statement) {}
+
+    /// Visits a step of a task, before its contents.
+    fn visit_step(&mut self, _: &'a Step) {}
 }
 
 /// Traversal of declarations that calls a visitor.
@@ -39,6 +45,20 @@ impl<'a> Walker<'_, 'a> {
     /// Creates a traversal that calls `visitor`.
     pub fn new<'w>(visitor: &'w mut dyn Visitor<'a>) -> Walker<'w, 'a> {
         Walker { visitor }
+    }
+
+    /// Visits the parts of a declaration. Imports, includes, constants, types, primitives and frames have no statements
+    /// and are left out.
+    pub fn item(&mut self, item: &'a Item) {
+        match &item.kind {
+            ItemKind::Node(node) => self.node(node),
+            ItemKind::Fragment(fragment) => self.fragment(fragment),
+            ItemKind::Device(device) => self.device(device),
+            ItemKind::Command(command) => self.command(command),
+            ItemKind::Task(task) => self.task(task),
+            ItemKind::Test(test) => self.test(test),
+            _ => {}
+        }
     }
 
     /// Visits the parts of a node or function.
@@ -157,6 +177,7 @@ impl<'a> Walker<'_, 'a> {
 
     fn statements(&mut self, statements: &'a [Statement]) {
         for statement in statements {
+            self.visitor.visit_statement(statement);
             self.statement(&statement.kind);
         }
     }
@@ -213,6 +234,7 @@ impl<'a> Walker<'_, 'a> {
 
     fn steps(&mut self, steps: &'a [Step]) {
         for step in steps {
+            self.visitor.visit_step(step);
             match &step.kind {
                 StepKind::Run(run) => self.run(run),
                 StepKind::Repeat { count, steps } => {

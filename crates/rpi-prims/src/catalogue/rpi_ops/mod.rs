@@ -7,6 +7,7 @@ pub(super) mod int;
 pub(super) mod logic;
 pub(super) mod machine_int;
 pub(super) mod motion;
+pub(super) mod path_event;
 pub(super) mod per_type;
 pub(super) mod real;
 pub(super) mod spatial;

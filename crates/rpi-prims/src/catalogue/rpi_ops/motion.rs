@@ -22,16 +22,37 @@ pub(in crate::catalogue) const ALL: &[Prim] = &[
     HOLD,
     MOVE_TOOL_IN_BASE,
     MOVE_TOOL_IN_TOOL,
+    FOLLOW_CHUNKS,
 ];
 
 /// Declares a motion primitive: a call of a function of the arm in each cycle. Its declared work of 20000 elementary
-/// operations covers the planning that the arm does in a cycle, about 200 µs.
+/// operations covers the planning that the arm does in a cycle, about 200 µs. `out` declares further out-ports, together
+/// with the work.
 macro_rules! motion {
     (
         $(#[doc = $doc:expr])+
         $id:ident = $name:literal, $port:literal;
-        in { $( $target:ident : $ty:ty );* }
+        in { $($target:tt)* }
         $( param $axes:ident; )?
+        shape $shape:expr
+    ) => {
+        motion! {
+            $(#[doc = $doc])+
+            $id = $name, $port;
+            in { $($target)* }
+            $( param $axes; )?
+            out {}
+            work 20000;
+            shape $shape
+        }
+    };
+    (
+        $(#[doc = $doc:expr])+
+        $id:ident = $name:literal, $port:literal;
+        in { $( $target:ident : $ty:ty $( = $need:tt $( ( $($def:tt)+ ) )? )? );* }
+        $( param $axes:ident; )?
+        out { $( $extra:ident : $extra_ty:ty );* }
+        work $work:literal;
         shape $shape:expr
     ) => {
         interface! {
@@ -48,7 +69,7 @@ macro_rules! motion {
             $id = $name;
             in {
                 inMotion: i64;
-                $( $target: $ty; )*
+                $( $target: $ty $( = $need $( ( $($def)+ ) )? )?; )*
                 inSpeed: f64 = Speed(Real(0.25));
                 inAcceleration: f64 = Acceleration(Real(0.5));
                 inJerk: f64 = Jerk(Real(5.0));
@@ -67,9 +88,10 @@ macro_rules! motion {
                 outOnPath: bool;
                 outDone: bool;
                 outError: i64
+                $( ; $extra: $extra_ty )*
             }
             shape $shape;
-            presence strict work 20000;
+            presence strict work $work;
             role function("Robot", &[$port])
         }
     };
@@ -193,5 +215,63 @@ motion! {
     MOVE_TOOL_IN_TOOL = "Rpi::MoveToolInTool", "move_tool_in_tool";
     in { inLinear: Vector; inAngular: Vector }
     param Axes;
+    shape ShapeRule::FromParam("Axes")
+}
+
+motion! {
+    /// Motion of the axes along chunks: rows of joint positions, one `inPeriod` (0.01 to 0.1 s) after the other, that arrive
+    /// again and again while the arm executes the last ones. All in-ports up to `inVelocities` are read in the cycles in which
+    /// `inNumber` changes to another number than 0: then a new chunk has come. The motion begins without a chunk, so the
+    /// axes stop until the first one comes.
+    ///
+    /// A chunk has `inRows` rows, 4 to 200; `inPositions` (rad, m for a linear axis) and `inVelocities` (rad/s, m/s) have one
+    /// number for each axis, row by row, and may be longer. Velocities are used if `inWithVelocities` is true. The first row has
+    /// the time `inAge` (s) before now: rows whose time has passed are left out. If `inAppended` is true, the first row follows one
+    /// period after the last one of the chunk before instead. Where the new chunk overlaps with the one before, the mean of both
+    /// with the weight `inPreviousWeight` (0 to 0.95) of the one before is used; the first `inFrozenRows` rows are those of the
+    /// one before.
+    ///
+    /// The rows are smoothed by least squares, as little as the limits of the axes demand and by at most `inSmoothing` (rad) at a row.
+    /// The arm follows the resulting curve at the times of the rows, more slowly where a limit binds. It brakes on the curve and
+    /// rests at the last row if no chunk comes, and goes on with the next one. The parts of its position, velocity
+    /// and acceleration that a new chunk does not have decay within the limits of all axes, which hold in each cycle, for any
+    /// chunk.
+    ///
+    /// `outAccepted` is the number of the newest accepted chunk, `outRow` (from 0) its row whose time has come, and
+    /// `outRejected` the error code of the newest chunk if it was not accepted, else 0; the arm then follows the one before.
+    /// `outDeviation` is the largest distance of an axis from the curve (rad), `outLag` the time by which the arm is behind the
+    /// times of the rows (s), `outSmoothing` the largest deviation of the curve from its rows (rad), `outRemaining` the time
+    /// until the last row (s). `outLate` is true while the arm brakes or rests because no chunk has come. `outAxis` (from 1) is an
+    /// axis with a limit that binds, `outLimit` its kind: 1 velocity, 2 acceleration, 3 jerk, 4 range; both are 0 without one.
+    /// `outDone` is true while the arm rests at the last row. `Axes` is the number of axes of the arm. The work grows with the
+    /// number of rows.
+    FOLLOW_CHUNKS = "Rpi::FollowChunks", "follow_chunks";
+    in {
+        inNumber: i64;
+        inRows: i64;
+        inPeriod: f64;
+        inAge: f64 = Age(Real(0.0));
+        inAppended: bool = Appended(Bool(false));
+        inPreviousWeight: f64 = PreviousWeight(Real(0.0));
+        inFrozenRows: i64 = FrozenRows(Int(0));
+        inSmoothing: f64 = Smoothing(Real(0.01));
+        inWithVelocities: bool = WithVelocities(Bool(false));
+        inPositions: Array<f64>;
+        inVelocities: Array<f64>
+    }
+    param Axes;
+    out {
+        outAccepted: i64;
+        outRow: i64;
+        outDeviation: f64;
+        outLag: f64;
+        outSmoothing: f64;
+        outRemaining: f64;
+        outLate: bool;
+        outAxis: i64;
+        outLimit: i64;
+        outRejected: i64
+    }
+    work 300;
     shape ShapeRule::FromParam("Axes")
 }

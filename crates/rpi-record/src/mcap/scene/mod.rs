@@ -2,6 +2,7 @@
 
 mod arm_view;
 mod foxglove;
+mod geometry;
 mod ros2;
 mod urdf;
 
@@ -15,6 +16,8 @@ use rpi_sim::cell::DeviceKind;
 use super::part_writer::EncodedTopic;
 use super::profile::Profile;
 use arm_view::ArmView;
+pub(super) use geometry::arm_geometry;
+pub use geometry::{ArmGeometry, JointGeometry, PoseNumbers};
 
 /// Port of an arm whose samples are the positions of the joints.
 const JOINT_PORT: &str = "joint.commanded_position";

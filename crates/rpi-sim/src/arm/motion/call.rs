@@ -1,7 +1,9 @@
 //! Calls of the motion functions of an arm: arguments and results as slots.
 
 use super::super::Arm;
+use super::super::axes_motion::AxesMotionKind;
 use super::super::path_fault::PathFault;
+use super::events::report_missed_events;
 use super::{MotionKind, rests, same_joints};
 use crate::device::{SlotWriter, pose_from};
 use crate::error_code::ErrorCode;
@@ -86,13 +88,16 @@ impl Arm {
             self.begin_motion(kind, &request);
         } else if !is_due {
             put_error(request.motion, self.axes(), ErrorCode::SUPERSEDED, out);
+            put_chunk_report(self, kind, out);
             return true;
         }
         self.put_motion(&request, out);
+        put_chunk_report(self, kind, out);
         true
     }
 
     fn begin_motion(&mut self, kind: MotionKind, request: &Request<'_>) {
+        report_missed_events(self);
         let differences = JointState::from_differences(
             self.commanded(|state| state.position),
             self.commanded(|state| state.velocity),
@@ -132,6 +137,7 @@ impl Arm {
         let done = core::mem::replace(&mut motion.at_end, at.done) && at.done;
         let (progress, speed) = motion.progress(&at);
         let (way, error) = (motion.way, motion.error);
+        motion.events.advance(way, progress);
         out.put_bits(number.cast_unsigned());
         out.put_reals(at.joints.into_iter().take(self.axes()));
         out.put_pose(&self.motion.pose_of_tool(&at.joints));
@@ -139,5 +145,11 @@ impl Arm {
         out.put_bits(u64::from(at.on_path && error == ErrorCode::OK));
         out.put_bits(u64::from(done && error == ErrorCode::OK));
         out.put_bits(error.0.cast_unsigned());
+    }
+}
+
+fn put_chunk_report(arm: &Arm, kind: MotionKind, out: &mut SlotWriter<'_>) {
+    if kind == MotionKind::Axes(AxesMotionKind::Chunks) {
+        arm.motion.axes.put_chunk_report(out);
     }
 }

@@ -1,0 +1,74 @@
+"""Support of the tests: a server, and recordings of runs."""
+
+from __future__ import annotations
+
+import importlib.util
+import os
+import subprocess
+import tempfile
+import time
+import unittest
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any, TypeVar
+
+_Test = TypeVar("_Test", bound=Callable[..., Any])
+
+#: Program of the server and of runs.
+RPI = os.environ.get("RPI")
+needs_rpi = unittest.skipUnless(RPI, "RPI does not name the server's program")
+
+
+def needs(*packages: str) -> Callable[[_Test], _Test]:
+    """Skips a test without these packages; with RPI_ALL_EXTRAS, where they must be there, the test fails instead."""
+    missing = [package for package in packages if importlib.util.find_spec(package) is None]
+    skipped = bool(missing) and "RPI_ALL_EXTRAS" not in os.environ
+    return unittest.skipIf(skipped, f"without {', '.join(missing)}")
+
+
+CELL = """
+[devices.arm]
+kind = "arm"
+model = "ur5e"
+joints = "home"
+
+[devices.hand]
+kind = "gripper"
+object = 0.03
+
+[devices.barrier]
+kind = "light-barrier"
+"""
+
+
+class CellTest(unittest.IsolatedAsyncioTestCase):
+    """A test with a folder that has a cell with an arm, a gripper and a light barrier."""
+
+    def setUp(self) -> None:
+        folder = tempfile.TemporaryDirectory()
+        self.addCleanup(folder.cleanup)
+        self.folder = Path(folder.name)
+        (self.folder / "cell.toml").write_text(CELL, encoding="utf-8")
+        self.socket = str(self.folder / "rpi.sock")
+
+    def serve(self, *options: str) -> subprocess.Popen[bytes]:
+        """Starts a server on the socket."""
+        assert RPI is not None
+        command = [RPI, "serve", "--cell", str(self.folder / "cell.toml"), "--listen", "127.0.0.1:0", "--socket", self.socket]
+        server = subprocess.Popen([*command, *options], stderr=subprocess.DEVNULL)
+        self.addCleanup(server.wait)
+        self.addCleanup(server.terminate)
+        for _ in range(500):
+            if os.path.exists(self.socket):
+                return server
+            time.sleep(0.02)
+        self.fail("the server does not listen")
+
+    def run_program(self, text: str, *options: str) -> str:
+        """Runs a program in the folder and returns its summary."""
+        assert RPI is not None
+        (self.folder / "program.rpi").write_text(text, encoding="utf-8")
+        command = [RPI, "run", "program.rpi", *options]
+        done = subprocess.run(command, cwd=self.folder, capture_output=True, text=True, check=False)
+        self.assertEqual(done.returncode, 0, done.stderr)
+        return done.stdout

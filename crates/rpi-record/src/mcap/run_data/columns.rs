@@ -1,0 +1,281 @@
+//! Columns of numbers over ticks, from the messages that viewers get in each tick.
+
+use std::ops::Range;
+use std::sync::Arc;
+
+use rpi_image::{Scalar, Type};
+use rpi_kin::chain::JointType;
+use rpi_sim::Cell;
+use rpi_sim::cell::DeviceKind;
+
+use crate::mcap::error::RecordingError;
+use crate::mcap::names::FlowName;
+use crate::mcap::topic_table::{ViewMessage, ViewTopic};
+use crate::mcap::value_json::scalar_parts;
+
+/// Maximum number of values of all columns, 512 MiB of memory.
+const MAX_VALUES: usize = 1 << 26;
+
+/// Columns of a topic: the flows of a command or ports of a device in the ticks in which there was a message.
+#[derive(Clone, PartialEq, Debug)]
+pub struct TopicColumns {
+    /// Name of the topic, such as `/set_points/arm`.
+    pub name: String,
+    /// Intervals of ticks with a message, in ascending order. The rows of the columns are the ticks of all intervals.
+    pub ticks: Vec<Range<u64>>,
+    /// Columns of the topic, one per number.
+    pub columns: Vec<Column>,
+}
+
+/// Values of one number of a flow or port.
+#[derive(Clone, PartialEq, Debug)]
+pub struct Column {
+    /// Name of the number, such as `joint.commanded_position[2]` or `tcp.commanded_position.position.x`.
+    pub name: String,
+    /// Kind of the values.
+    pub kind: ColumnKind,
+    /// Unit of the values, such as `rad`; empty if it is 1 or unknown.
+    pub unit: &'static str,
+    /// Value in each row; NaN in rows without a value.
+    pub values: Vec<f64>,
+    /// Intervals of rows without a value, in ascending order.
+    pub absent: Vec<Range<usize>>,
+}
+
+/// Kind of the values of a column.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub enum ColumnKind {
+    /// Boolean: 0 or 1.
+    Bool,
+    /// Integer. Beyond 2⁵³ the value is rounded.
+    Int,
+    /// Real number.
+    Real,
+}
+
+/// Builder of the columns of all topics.
+pub(super) struct ColumnBuilder<'a> {
+    cell: &'a Cell,
+    topics: Vec<(Arc<ViewTopic>, TopicColumns)>,
+    values: usize,
+}
+
+impl<'a> ColumnBuilder<'a> {
+    pub(super) fn new(cell: &'a Cell) -> ColumnBuilder<'a> {
+        ColumnBuilder {
+            cell,
+            topics: Vec::new(),
+            values: 0,
+        }
+    }
+
+    /// Adds the values of the tick with the number `tick`. Returns an error if there are too many values.
+    pub(super) fn add(
+        &mut self,
+        tick: u64,
+        messages: &[ViewMessage<'_>],
+    ) -> Result<(), RecordingError> {
+        for message in messages {
+            let at = self.topic(message.topic());
+            let topic = &mut self.topics[at].1;
+            // Two commands with the same image have one topic: the first one is shown.
+            if topic.ticks.last().is_some_and(|last| last.end > tick) {
+                continue;
+            }
+            match topic.ticks.last_mut().filter(|last| last.end == tick) {
+                Some(last) => last.end += 1,
+                None => topic.ticks.push(tick..tick + 1),
+            }
+            let fields = message.topic().fields();
+            let mut columns = topic.columns.iter_mut();
+            for (field, value) in fields.iter().zip(message.values()) {
+                let own = columns.by_ref().take(field.ty.slots() as usize);
+                for (k, column) in own.enumerate() {
+                    column.push(value.and_then(|words| words.get(k).copied()));
+                    self.values += 1;
+                }
+            }
+        }
+        match self.values > MAX_VALUES {
+            true => Err(RecordingError::TooLong(MAX_VALUES)),
+            false => Ok(()),
+        }
+    }
+
+    /// Returns the index of the columns of a topic, which are created if they do not exist.
+    fn topic(&mut self, topic: &Arc<ViewTopic>) -> usize {
+        let known = self.topics.iter().position(|(t, _)| Arc::ptr_eq(t, topic));
+        known.unwrap_or_else(|| {
+            let columns = topic.fields().iter().flat_map(|f| columns_of(self.cell, f));
+            let columns = TopicColumns {
+                name: topic.encoded.name.clone(),
+                ticks: Vec::new(),
+                columns: columns.collect(),
+            };
+            self.topics.push((Arc::clone(topic), columns));
+            self.topics.len() - 1
+        })
+    }
+
+    pub(super) fn finish(self) -> Vec<TopicColumns> {
+        self.topics
+            .into_iter()
+            .map(|(_, columns)| columns)
+            .collect()
+    }
+}
+
+impl Column {
+    fn push(&mut self, word: Option<u64>) {
+        let row = self.values.len();
+        let Some(word) = word else {
+            self.values.push(f64::NAN);
+            match self.absent.last_mut().filter(|last| last.end == row) {
+                Some(last) => last.end += 1,
+                None => self.absent.push(row..row + 1),
+            }
+            return;
+        };
+        self.values.push(match self.kind {
+            ColumnKind::Bool => f64::from(u8::from(word != 0)),
+            ColumnKind::Int => word.cast_signed() as f64,
+            ColumnKind::Real => f64::from_bits(word),
+        });
+    }
+}
+
+/// Returns empty columns for the numbers of a flow or port, one per memory word.
+fn columns_of(cell: &Cell, field: &FlowName) -> Vec<Column> {
+    let column = |suffix: &str, kind, unit| Column {
+        name: format!("{}{suffix}", field.name),
+        kind,
+        unit,
+        values: Vec::new(),
+        absent: Vec::new(),
+    };
+    let scalar = |prefix: &str, scalar: Scalar| -> Vec<Column> {
+        let kind = match scalar {
+            Scalar::Bool => ColumnKind::Bool,
+            Scalar::Int | Scalar::Time => ColumnKind::Int,
+            _ => ColumnKind::Real,
+        };
+        let parts = scalar_parts(scalar);
+        if parts.is_empty() {
+            let unit = match scalar {
+                Scalar::Time => "ns",
+                Scalar::Real => joint_unit(cell, field),
+                _ => "",
+            };
+            return vec![column(prefix, kind, unit)];
+        }
+        let reals = parts.iter().flat_map(|(part, reals)| {
+            let dot = if part.is_empty() { "" } else { "." };
+            reals
+                .iter()
+                .map(move |real| (format!("{dot}{part}.{real}"), part_unit(part)))
+        });
+        reals
+            .map(|(suffix, unit)| column(&format!("{prefix}{suffix}"), kind, unit))
+            .collect()
+    };
+    match field.ty {
+        Type::Scalar(one) => scalar("", one),
+        Type::Array(each, count) => (0..count)
+            .flat_map(|k| scalar(&format!("[{k}]"), each))
+            .collect(),
+        Type::Matrix(rows, columns) => (0..rows)
+            .flat_map(|r| (0..columns).map(move |c| (r, c)))
+            .map(|(r, c)| column(&format!("[{r}][{c}]"), ColumnKind::Real, ""))
+            .collect(),
+    }
+}
+
+/// Returns the SI unit of a part of a structured value.
+fn part_unit(part: &str) -> &'static str {
+    match part {
+        "position" => "m",
+        "linear" => "m/s",
+        "angular" => "rad/s",
+        "force" => "N",
+        "torque" => "N m",
+        _ => "",
+    }
+}
+
+/// Returns the unit of a joint of an arm, by the kind of the joint; empty for other flows and ports.
+fn joint_unit(cell: &Cell, field: &FlowName) -> &'static str {
+    let is_joint = ["joint.", "joints["]
+        .iter()
+        .any(|p| field.name.starts_with(p));
+    let device = cell.devices.iter().find(|d| d.name == field.owner);
+    let (true, Some(DeviceKind::Arm(arm))) = (is_joint, device.map(|d| &d.kind)) else {
+        return "";
+    };
+    let index = field
+        .name
+        .rsplit_once('[')
+        .and_then(|(_, end)| end.strip_suffix(']'));
+    let index = index
+        .and_then(|index| index.parse::<usize>().ok())
+        .unwrap_or(0);
+    let zero = vec![0.0; arm.joints.len()];
+    let mut axes = arm.model.chain.axes_in_base(&zero);
+    let is_linear = axes
+        .nth(index)
+        .is_some_and(|axis| axis.joint == JointType::Prismatic);
+    let units = match field.name.split('[').next().unwrap_or_default() {
+        name if name.ends_with("velocity") => ["rad/s", "m/s"],
+        name if name.ends_with("acceleration") => ["rad/s²", "m/s²"],
+        name if name.ends_with("torque") => ["N m", "N"],
+        _ => ["rad", "m"],
+    };
+    units[usize::from(is_linear)]
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn field(name: &str, ty: Type) -> FlowName {
+        FlowName {
+            owner: "arm".to_owned(),
+            name: name.to_owned(),
+            ty,
+        }
+    }
+
+    fn cell() -> Cell {
+        let text = "name = \"c\"\n[devices.arm]\nkind = \"arm\"\nmodel = \"kuka-lwr4+\"\njoints = \"home\"\n";
+        Cell::parse("cell.toml", text).unwrap()
+    }
+
+    #[test]
+    fn every_memory_word_has_a_column_with_its_unit() {
+        let cell = cell();
+        let names = |field: &FlowName| -> Vec<(String, &str)> {
+            let columns = columns_of(&cell, field).into_iter();
+            columns.map(|c| (c.name, c.unit)).collect()
+        };
+        let pose = names(&field("tcp", Type::Scalar(Scalar::Pose)));
+        assert_eq!(pose.len(), 7);
+        assert_eq!(pose[2], ("tcp.position.z".to_owned(), "m"));
+        assert_eq!(pose[6], ("tcp.orientation.w".to_owned(), ""));
+        let list = names(&field("a", Type::Array(Scalar::Vector, 2)));
+        assert_eq!(list[5], ("a[1].z".to_owned(), ""));
+        let real = Type::Scalar(Scalar::Real);
+        let joint = names(&field("joint.commanded_position[6]", real));
+        assert_eq!(joint, [("joint.commanded_position[6]".to_owned(), "rad")]);
+        assert_eq!(names(&field("speed", real))[0].1, "");
+    }
+
+    #[test]
+    fn rows_without_a_value_are_intervals() {
+        let mut column = columns_of(&cell(), &field("a", Type::Scalar(Scalar::Int))).remove(0);
+        for word in [None, None, Some(3), None, Some(u64::MAX)] {
+            column.push(word);
+        }
+        assert_eq!(column.absent, [0..2, 3..4]);
+        assert_eq!((column.values[2], column.values[4]), (3.0, -1.0));
+        assert!(column.values[0].is_nan());
+    }
+}

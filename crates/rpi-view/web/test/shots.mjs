@@ -1,0 +1,30 @@
+// Takes the pictures of the book from reports of the examples: `node test/shots.mjs FOLDER`, with the reports
+// `lifting.html` and `blending.html` in RPI_REPORTS.
+
+import { join } from "node:path";
+import { pathToFileURL } from "node:url";
+import { launch, open, seek } from "./browser.mjs";
+
+const [folder] = process.argv.slice(2);
+const browser = await launch();
+
+async function shot(name, colorScheme, tick, prepare) {
+  const page = await open(browser, pathToFileURL(join(process.env.RPI_REPORTS, `${name}.html`)).href, { colorScheme });
+  await prepare(page);
+  await seek(page, tick);
+  await page.waitForTimeout(1000);
+  await page.screenshot({ path: join(folder, `view-${name}.png`) });
+  if (page.errors.length > 0) throw new Error(page.errors.join("\n"));
+  await page.close();
+}
+
+await shot("lifting", "light", 3585, async () => {});
+await shot("blending", "dark", 4200, async (page) => {
+  // The velocity of one axis with its limits, around a takeover.
+  await page.evaluate(() => window.rpiView.state.show(0, 13_000));
+  const chart = page.locator(".chart").first();
+  await chart.locator("select").selectOption("1");
+  await chart.locator(".legend button").first().dblclick();
+  await page.click("#tab-events");
+});
+await browser.close();

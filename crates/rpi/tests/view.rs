@@ -1,0 +1,207 @@
+//! `rpi view` and `rpi run --report`: the files, the server, and the page in a browser.
+
+mod support;
+
+use std::io::{BufRead, BufReader, Read, Write};
+use std::net::TcpStream;
+use std::path::{Path, PathBuf};
+use std::process::{Child, Command, Stdio};
+
+use support::{output_text, rpi};
+
+/// Maximum size of the report of `examples/blending` in bytes.
+const MAX_REPORT: u64 = 5_000_000;
+
+fn example(name: &str) -> PathBuf {
+    rpi_testkit::workspace_root().join(format!("examples/{name}/{name}.rpi"))
+}
+
+/// Runs a program with these options and the option `--report`. Returns the path of the report in `folder`.
+fn report(program: &Path, name: &str, folder: &Path, options: &[&str]) -> PathBuf {
+    let file = folder.join(format!("{name}.html"));
+    let mut arguments = vec![
+        "run",
+        program.to_str().unwrap(),
+        "--report",
+        file.to_str().unwrap(),
+    ];
+    arguments.extend(options);
+    let run = rpi(&arguments);
+    assert_eq!(run.status.code(), Some(0), "{}", output_text(&run));
+    file
+}
+
+/// Server of a recording, which ends with the test.
+struct View {
+    process: Child,
+    url: String,
+}
+
+impl View {
+    fn start(recording: &Path) -> View {
+        let mut process = Command::new(env!("CARGO_BIN_EXE_rpi"))
+            .args(["view", recording.to_str().unwrap(), "--no-open"])
+            .stdout(Stdio::piped())
+            .spawn()
+            .unwrap();
+        let mut url = String::new();
+        let output = process.stdout.take().unwrap();
+        BufReader::new(output).read_line(&mut url).unwrap();
+        let url = url.trim().to_owned();
+        View { process, url }
+    }
+
+    /// Sends a request with this method, path and host. Returns the response.
+    fn request(&self, method: &str, path: &str, host: &str) -> Vec<u8> {
+        let address = self.url.trim_start_matches("http://").trim_end_matches('/');
+        let mut connection = TcpStream::connect(address).unwrap();
+        write!(
+            connection,
+            "{method} {path} HTTP/1.1\r\nHost: {host}\r\n\r\n"
+        )
+        .unwrap();
+        let mut response = Vec::new();
+        connection.read_to_end(&mut response).unwrap();
+        response
+    }
+
+    fn host(&self) -> &str {
+        self.url.trim_start_matches("http://").trim_end_matches('/')
+    }
+}
+
+impl Drop for View {
+    fn drop(&mut self) {
+        let _ = self.process.kill();
+        let _ = self.process.wait();
+    }
+}
+
+#[test]
+fn a_report_is_one_small_file_and_leaves_no_other() {
+    let folder = tempfile::tempdir().unwrap();
+    let file = report(&example("blending"), "blending", folder.path(), &[]);
+    let size = std::fs::metadata(&file).unwrap().len();
+    assert!((100_000..MAX_REPORT).contains(&size), "{size} bytes");
+    println!("report of examples/blending: {size} bytes");
+    let files: Vec<_> = std::fs::read_dir(folder.path())
+        .unwrap()
+        .flatten()
+        .collect();
+    assert_eq!(files.len(), 1, "{files:?}");
+}
+
+#[test]
+fn the_server_shows_the_recording_to_this_machine_only() {
+    let folder = tempfile::tempdir().unwrap();
+    let recording = folder.path().join("out.mcap");
+    let program = example("lifting");
+    let options = [
+        "run",
+        program.to_str().unwrap(),
+        "--record",
+        recording.to_str().unwrap(),
+    ];
+    let run = rpi(&options);
+    assert_eq!(run.status.code(), Some(0), "{}", output_text(&run));
+    let view = View::start(&recording);
+    assert!(view.url.starts_with("http://127.0.0.1:"), "{}", view.url);
+    let page = view.request("GET", "/", view.host());
+    assert!(page.starts_with(b"HTTP/1.1 200 OK\r\n"));
+    let policy = b"Content-Security-Policy: default-src 'none'";
+    assert!(page.windows(policy.len()).any(|part| part == policy));
+    let document = view.request("GET", "/document", view.host());
+    let magic = b"RPIVIEW1";
+    assert!(document.windows(magic.len()).any(|part| part == magic));
+    assert!(
+        view.request("GET", "/", "evil.example")
+            .starts_with(b"HTTP/1.1 403")
+    );
+    assert!(
+        view.request("POST", "/", view.host())
+            .starts_with(b"HTTP/1.1 405")
+    );
+    assert!(
+        view.request("GET", "/x", view.host())
+            .starts_with(b"HTTP/1.1 404")
+    );
+}
+
+#[test]
+fn invalid_requests_are_reported() {
+    let folder = tempfile::tempdir().unwrap();
+    let missing = folder.path().join("none.mcap");
+    let view = rpi(&["view", missing.to_str().unwrap(), "--no-open"]);
+    assert_eq!(view.status.code(), Some(2), "{}", output_text(&view));
+    let same = folder.path().join("same.mcap");
+    let (program, same) = (example("lifting"), same.to_str().unwrap());
+    let run = rpi(&[
+        "run",
+        program.to_str().unwrap(),
+        "--record",
+        same,
+        "--report",
+        same,
+    ]);
+    assert_eq!(run.status.code(), Some(2), "{}", output_text(&run));
+    assert!(
+        output_text(&run).contains("--report"),
+        "{}",
+        output_text(&run)
+    );
+}
+
+/// Returns the folder of the page if its packages are installed, with Node and Chromium.
+fn browser_tests() -> Option<PathBuf> {
+    let web = rpi_testkit::workspace_root().join("crates/rpi-view/web");
+    let script = "import('./test/browser.mjs').then((b) => process.exit(b.chromiumPath() ? 0 : 1))";
+    let node = Command::new("node")
+        .args(["-e", script])
+        .current_dir(&web)
+        .output();
+    node.is_ok_and(|output| output.status.success())
+        .then_some(web)
+}
+
+#[test]
+fn the_page_works_in_chromium() {
+    let Some(web) = browser_tests() else {
+        // Writes past the test harness, which captures the output of passing tests.
+        let line = b"SKIPPED: the page of `rpi view` in a browser: no Node, no Chromium, or `npm ci` was not run in crates/rpi-view/web\n";
+        return std::io::stderr().write_all(line).unwrap();
+    };
+    let folder = tempfile::tempdir().unwrap();
+    let recording = folder.path().join("out.mcap");
+    let record = ["--record", recording.to_str().unwrap()];
+    report(&example("blending"), "blending", folder.path(), &record);
+    report(&example("lifting"), "lifting", folder.path(), &[]);
+    let long = twice_as_long(folder.path());
+    report(&long, "long", folder.path(), &[]);
+    let view = View::start(&recording);
+    let output = Command::new("node")
+        .args(["--test", "--test-concurrency=1", "test/page.test.mjs"])
+        .current_dir(web)
+        .env("RPI_REPORTS", folder.path())
+        .env("RPI_VIEW_URL", &view.url)
+        .output()
+        .unwrap();
+    println!("{}", output_text(&output));
+    assert!(output.status.success(), "{}", output_text(&output));
+}
+
+/// Writes the program of `examples/blending` with twice as many rounds: more than 100 000 cycles. Returns its path.
+fn twice_as_long(folder: &Path) -> PathBuf {
+    let program = example("blending");
+    let text = std::fs::read_to_string(&program).unwrap();
+    assert!(text.contains("repeat 9 times"));
+    let folder = folder.join("long");
+    std::fs::create_dir(&folder).unwrap();
+    std::fs::copy(
+        program.with_file_name("cell.toml"),
+        folder.join("cell.toml"),
+    )
+    .unwrap();
+    let long = folder.join("long.rpi");
+    std::fs::write(&long, text.replace("repeat 9 times", "repeat 18 times")).unwrap();
+    long
+}

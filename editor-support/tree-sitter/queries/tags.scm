@@ -1,0 +1,9 @@
+(node name: (identifier) @name) @definition.function
+(fragment name: (identifier) @name) @definition.function
+(command name: (identifier) @name) @definition.class
+(task name: (identifier) @name) @definition.class
+(device name: (identifier) @name) @definition.interface
+(type_definition name: (identifier) @name) @definition.type
+(constant name: (identifier) @name) @definition.constant
+(call function: (identifier) @name) @reference.call
+(run function: (identifier) @name) @reference.call
