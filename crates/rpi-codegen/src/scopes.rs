@@ -81,13 +81,13 @@ impl Tracker<'_> {
     }
 
     fn step(&mut self, step: &Step, at: u32) {
-        let accesses = step_accesses(self.image, step);
-        for access in accesses.iter().filter(|a| !a.writes) {
-            (access.slots.start..access.slots.end()).for_each(|slot| self.read(slot, at));
-        }
-        for access in accesses.iter().filter(|a| a.writes) {
+        // In order, because a call of a primitive may read what an earlier call of the same step has written.
+        for access in step_accesses(self.image, step) {
             for slot in access.slots.start..access.slots.end() {
-                self.writers[slot as usize] = Some(at);
+                match access.writes {
+                    true => self.writers[slot as usize] = Some(at),
+                    false => self.read(slot, at),
+                }
             }
         }
         if let Step::Copy { at: code, len } = *step {
@@ -99,7 +99,10 @@ impl Tracker<'_> {
     }
 
     fn read(&mut self, slot: u32, at: u32) {
+        let known = &mut self.lifetimes[slot as usize];
         let Some(writer) = self.writers[slot as usize] else {
+            // An input, or a flow of the core, which has its value before the steps.
+            *known = Lifetime::Cycle.max(*known);
             return;
         };
         let (writer, reader) = (

@@ -3,7 +3,7 @@
 use crate::Emitted;
 use crate::c_type::CType;
 use crate::header::{CYCLE, counts_cycles, declarations};
-use crate::identifiers::mentions;
+use crate::identifiers::{mentions, variables_in};
 use crate::initial::{init_function, resets};
 use crate::literals::literal;
 use crate::parts::{Node, Parts, print};
@@ -292,8 +292,9 @@ fn step_function(emitter: &Emitter<'_>, nodes: &[Node]) -> String {
     if emitter.variables.has_struct {
         head += &format!("  {name}_values values;\n  {name}_values *const v = &values;\n");
     } else {
+        let used = variables_in(&text);
         for variable in emitter.variables.in_storage(Storage::Cycle) {
-            if mentions(&text, &variable.name) {
+            if used.contains(variable.name.as_str()) {
                 let declared = declarator(variable.ty, &variable.name, variable.slots.len);
                 head += &format!("  {declared} = {};\n", zero(variable));
             }
