@@ -59,7 +59,7 @@ pub use parts::{OpenPart, PartLimits, part_files, part_path, single_part};
 pub use profile::Profile;
 pub use reader::Recording;
 pub use recorder::{Recorder, RecordingOptions, RunSources, record};
-pub use replay::replay;
+pub use replay::{CycleCallback, replay, replay_observed};
 pub use replay_report::{Difference, ReplayReport};
 pub use run_data::{Column, ColumnKind, FragmentActivity, RunData, TopicColumns};
 pub use scene::{ArmGeometry, JointGeometry, PoseNumbers};

@@ -29,11 +29,15 @@ pub fn replay(recording: &Recording) -> Result<ReplayReport, RecordingError> {
     replay_observed(recording, &mut |_, _, _| {})
 }
 
-/// Callback for a command after each of its cycles in a replay: number of the tick, id and state of the command.
-type CycleCallback<'a> = &'a mut dyn FnMut(u64, CommandId, &Command);
+/// Callback for a command in each of its cycles in a replay, after the evaluation and before the delays are stored: number
+/// of the tick, id and state of the command.
+pub type CycleCallback<'a> = &'a mut dyn FnMut(u64, CommandId, &Command);
 
-/// Replays a recording as [`replay`] does, and passes each command to `observe` after each of its cycles.
-pub(super) fn replay_observed(
+/// Replays a recording as [`replay`] does, and passes each command to `observe` in each of its cycles.
+///
+/// # Errors
+/// Returns an error if the recording is not complete enough to be replayed.
+pub fn replay_observed(
     recording: &Recording,
     observe: CycleCallback<'_>,
 ) -> Result<ReplayReport, RecordingError> {
@@ -70,6 +74,9 @@ struct ReplayObserver<'a, 'c> {
 impl CycleObserver for ReplayObserver<'_, '_> {
     fn cycle_finished(&mut self, id: CommandId, command: &Command) {
         self.probe.cycle_finished(id, command);
+    }
+
+    fn evaluated(&mut self, id: CommandId, command: &Command) {
         (self.observe)(self.tick, id, command);
     }
 }
