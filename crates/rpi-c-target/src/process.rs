@@ -1,10 +1,12 @@
 //! Running program of a translated image.
 
 use super::compiler::{CBinary, CCompiler, CTargetError};
+use super::cortex_m4::instructions;
 use rpi_codegen::{Emitted, Options, driver, emit};
 use rpi_image::Image;
 use std::io::{BufRead, BufReader, Write};
-use std::process::{Child, ChildStdin, ChildStdout, Command, Stdio};
+use std::process::{Child, ChildStdin, ChildStdout, Stdio};
+use std::sync::Arc;
 
 /// Function that computes a device function during a cycle: number of the function and arguments. `None` means that
 /// there is no result.
@@ -21,34 +23,57 @@ pub struct CCycle {
     pub outputs: Vec<u64>,
 }
 
+/// Translated and compiled image.
+#[derive(Debug)]
+pub struct CProgram {
+    /// Translated image: the fields of its structs give the order of the words.
+    pub emitted: Emitted,
+    binary: CBinary,
+}
+
+impl CProgram {
+    /// Translates an image and compiles the text.
+    ///
+    /// # Errors
+    /// Returns the messages of the compiler.
+    pub fn compile(image: &Image, compiler: &CCompiler) -> Result<CProgram, CTargetError> {
+        let name = rpi_codegen::program_name(&image.name);
+        let emitted = emit(image, &plain_options(&name));
+        let text = emitted.source.clone() + &driver(image, &name, &emitted.interface);
+        let binary = compiler.compile(&text)?;
+        Ok(CProgram { emitted, binary })
+    }
+}
+
+/// Returns the options for the text of a program that only runs.
+pub(crate) fn plain_options(name: &str) -> Options<'_> {
+    Options {
+        name,
+        header: None,
+        locate: &|_| None,
+        line_directives: false,
+        origin: "",
+    }
+}
+
 /// Translated image as a process that runs a cycle on request.
 #[derive(Debug)]
 pub struct CProcess {
     child: Child,
     requests: Option<ChildStdin>,
     replies: BufReader<ChildStdout>,
-    /// Translated image: the fields of its structs give the order of the words.
-    pub emitted: Emitted,
-    _binary: CBinary,
+    /// Program of the process. Its file must not be removed while the process runs.
+    pub program: Arc<CProgram>,
 }
 
 impl CProcess {
-    /// Translates an image, compiles the text and starts the program.
+    /// Starts a program.
     ///
     /// # Errors
-    /// Returns the messages of the compiler, or the reason why the program does not start.
-    pub fn start(
-        image: &Image,
-        options: &Options<'_>,
-        compiler: &CCompiler,
-    ) -> Result<CProcess, CTargetError> {
-        let emitted = emit(image, options);
-        let text = emitted.source.clone() + &driver(image, options.name, &emitted.interface);
-        let binary = compiler.compile(&text)?;
-        let child = Command::new(binary.path())
-            .stdin(Stdio::piped())
-            .stdout(Stdio::piped())
-            .spawn();
+    /// Returns the reason why the program does not start.
+    pub fn start(program: Arc<CProgram>) -> Result<CProcess, CTargetError> {
+        let mut command = program.binary.command();
+        let child = command.stdin(Stdio::piped()).stdout(Stdio::piped()).spawn();
         let mut child = child.map_err(error)?;
         let (requests, replies) = (child.stdin.take(), child.stdout.take());
         let replies = replies.ok_or_else(|| error("no pipe"))?;
@@ -56,8 +81,7 @@ impl CProcess {
             child,
             requests,
             replies: BufReader::new(replies),
-            emitted,
-            _binary: binary,
+            program,
         })
     }
 
@@ -76,6 +100,15 @@ impl CProcess {
     pub fn self_test(&mut self) -> Result<bool, CTargetError> {
         self.send("t\n")?;
         Ok(self.reply()?.trim() == "1")
+    }
+
+    /// Returns the number of instructions that a microcontroller has executed in all cycles so far; 0 on other targets.
+    ///
+    /// # Errors
+    /// If the process has ended.
+    pub fn instructions(&mut self) -> Result<u64, CTargetError> {
+        self.send("i\n")?;
+        Ok(instructions(word(self.reply()?.trim())?))
     }
 
     /// Runs one cycle. `inputs` holds one word for each element of the input struct.

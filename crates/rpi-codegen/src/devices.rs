@@ -128,8 +128,10 @@ impl Emitter<'_> {
     }
 }
 
-/// Returns the name of the external function for a device function.
-pub(crate) fn function_name(program: &str, function: &DeviceFunction, number: u32) -> String {
+/// Returns the name of the external function for a device function: `program` is [`Options::name`](crate::Options), and
+/// `number` the index of the function in the image.
+#[must_use]
+pub fn function_name(program: &str, function: &DeviceFunction, number: u32) -> String {
     let text = format!("{}_{}", function.port.device, function.port.port);
     format!("{program}_{}_{number}", identifier(&text))
 }

@@ -3,6 +3,11 @@
 #include <stdio.h>
 #include <stdlib.h>
 
+/* Number of periods of a clock, modulo 2^24, if the target has one for measurements. */
+#ifndef DRIVER_CLOCK
+#define DRIVER_CLOCK() 0U
+#endif
+
 uint64_t driver_read(void) {
   uint64_t word = 0U;
   if (scanf("%" SCNx64, &word) != 1) {

@@ -4,7 +4,7 @@
 //! one word per element of the input struct run a cycle; the reply is a line with the fault code, the line of the fault
 //! and one word per element of the output struct. During a cycle, a line `c`, the number of a device function and its
 //! arguments asks for the results of the function: 1 and one word each, or 0. `t` replies with the result of the
-//! self-test.
+//! self-test, `i` with the number of clock periods of all cycles on a target with a clock for measurements.
 
 use crate::c_type::CType;
 use crate::devices::function_name;
@@ -29,10 +29,15 @@ pub fn driver(image: &Image, name: &str, interface: &Interface) -> String {
     }
     let reads: String = interface.of(Direction::Input).map(read).collect();
     let writes: String = interface.of(Direction::Output).map(write).collect();
-    out += &format!(
-        "int main(void) {{\n  static {name}_in in;\n  static {name}_state state;\n  static {name}_out out;\n  char request;\n  {name}_init(&in);\n  {name}_reset(&state);\n  while (scanf(\" %c\", &request) == 1) {{\n    if (request == 'r') {{\n      {name}_init(&in);\n      {name}_reset(&state);\n    }} else if (request == 't') {{\n      printf(\"%d\\n\", {name}_self_test() ? 1 : 0);\n      fflush(stdout);\n    }} else {{\n      int32_t fault;\n{reads}      fault = {name}_step(&state, &in, &out);\n      printf(\"%ld %lu\", (long)fault, (unsigned long)out.fault.line);\n{writes}      printf(\"\\n\");\n      fflush(stdout);\n    }}\n  }}\n  return 0;\n}}\n"
-    );
+    out += &main_function(name, &reads, &writes);
     out
+}
+
+/// Returns the main function with the statements that read the inputs and write the outputs.
+fn main_function(name: &str, reads: &str, writes: &str) -> String {
+    format!(
+        "int main(void) {{\n  static {name}_in in;\n  static {name}_state state;\n  static {name}_out out;\n  uint64_t clocks = 0U;\n  char request;\n  {name}_init(&in);\n  {name}_reset(&state);\n  while (scanf(\" %c\", &request) == 1) {{\n    if (request == 'r') {{\n      {name}_init(&in);\n      {name}_reset(&state);\n    }} else if (request == 't') {{\n      printf(\"%d\\n\", {name}_self_test() ? 1 : 0);\n      fflush(stdout);\n    }} else if (request == 'i') {{\n      driver_write(clocks);\n      printf(\"\\n\");\n      fflush(stdout);\n    }} else {{\n      int32_t fault;\n      uint32_t begin;\n{reads}      begin = DRIVER_CLOCK();\n      fault = {name}_step(&state, &in, &out);\n      clocks += (DRIVER_CLOCK() - begin) & 0xFFFFFFU;\n      printf(\"%ld %lu\", (long)fault, (unsigned long)out.fault.line);\n{writes}      printf(\"\\n\");\n      fflush(stdout);\n    }}\n  }}\n  return 0;\n}}\n"
+    )
 }
 
 fn elements(field: &Field) -> impl Iterator<Item = String> {

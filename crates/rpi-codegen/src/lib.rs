@@ -14,6 +14,7 @@
 //! | `statements.rs`, `parts.rs` | C statements of the steps, and their distribution over functions |
 //! | `devices.rs` | set-points and device functions |
 //! | `support.rs` | common functions that the text uses |
+//! | `fmu/` | files of Functional Mock-up Units |
 //! | `driver.rs` | program that runs the cycles for another process |
 //! | `initial.rs` | initial values and restarts |
 //! | `header.rs`, `source.rs` | the two files |
@@ -23,6 +24,7 @@ mod c_type;
 mod devices;
 mod driver;
 mod expansion;
+mod fmu;
 mod functions;
 mod header;
 mod identifiers;
@@ -38,7 +40,9 @@ mod support;
 mod variables;
 
 pub use c_type::CType;
+pub use devices::function_name;
 pub use driver::driver;
+pub use fmu::{Fmu, FmuError, fmu};
 pub use ports::{Direction, Field, Interface, Meaning};
 
 use rpi_image::image::{Image, SourceLocation};

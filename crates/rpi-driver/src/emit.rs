@@ -129,6 +129,29 @@ pub fn c(
     options: &COptions,
 ) -> Result<rpi_codegen::Emitted, LowerError> {
     let image = lower_for_c(net, options.period_ns)?;
+    Ok(with_emission(&image, sources, options, rpi_codegen::emit))
+}
+
+/// Translates a net to the files of a Functional Mock-up Unit. `sources` are the texts to which its locations refer.
+///
+/// # Errors
+/// If the net cannot be lowered, or calls functions of devices.
+pub fn fmu(
+    net: &AnalysedNet,
+    sources: &SourceMap,
+    options: &COptions,
+) -> Result<rpi_codegen::Fmu, Box<dyn std::error::Error>> {
+    let image = lower_for_c(net, options.period_ns)?;
+    Ok(with_emission(&image, sources, options, rpi_codegen::fmu)?)
+}
+
+/// Calls a function of the translation to C with its options for an image.
+fn with_emission<T>(
+    image: &Image,
+    sources: &SourceMap,
+    options: &COptions,
+    translate: impl Fn(&Image, &rpi_codegen::Options<'_>) -> T,
+) -> T {
     let locate = |location: &SourceLocation| place(sources, location);
     let name = rpi_codegen::program_name(&image.name);
     let emission = rpi_codegen::Options {
@@ -138,7 +161,7 @@ pub fn c(
         line_directives: options.line_directives,
         origin: &options.origin,
     };
-    Ok(rpi_codegen::emit(&image, &emission))
+    translate(image, &emission)
 }
 
 /// Lowers a net to the image from which C is emitted: the image for execution, with the locations of all operations.

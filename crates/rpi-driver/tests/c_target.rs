@@ -114,16 +114,8 @@ fn compare(
     cycles: u64,
 ) -> Result<u64, String> {
     let image = Arc::new(lower_for_c(net, PERIOD_NS).map_err(|e| e.to_string())?);
-    let name = rpi_codegen::program_name(&image.name);
-    let options = rpi_codegen::Options {
-        name: &name,
-        header: None,
-        locate: &|_| None,
-        line_directives: false,
-        origin: "",
-    };
     let mut bank = SimBank::new(cell, PERIOD_NS as f64 * 1e-9);
-    let both = Lockstep::start(&image, &mut bank, &options, compiler);
+    let both = Lockstep::start(&image, &mut bank, compiler);
     let mut both = both.map_err(|e| e.to_string())?;
     let mut random = Random(1);
     for cycle in 0..cycles {

@@ -6,6 +6,7 @@
 
 mod args;
 mod budget_args;
+mod c_target;
 mod cell_file;
 mod exit;
 mod guard;

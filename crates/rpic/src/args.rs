@@ -3,7 +3,7 @@
 use std::path::PathBuf;
 
 use clap::{Args, Parser, Subcommand, ValueEnum};
-use rpi_cli::{Shell, VERSION};
+use rpi_cli::{CompilerArgs, Shell, TargetArgs, VERSION};
 use rpi_diag::Format;
 use rpi_driver::ClaimPolicy;
 
@@ -98,6 +98,8 @@ pub(crate) struct TestArgs {
     /// Period of the cycle, such as 1ms.
     #[arg(long, default_value = "1ms", value_parser = rpi_driver::parse_duration, value_name = "TIME")]
     pub(crate) period: u64,
+    #[command(flatten)]
+    pub(crate) execution: TargetArgs,
     /// Report fragments, branches and transitions that no test has covered.
     #[arg(long)]
     pub(crate) coverage: bool,
@@ -131,6 +133,8 @@ pub(crate) struct CompileArgs {
     /// Output file. Default: the source file with the extension .rpib, or standard output with `--emit`.
     #[arg(long, short, value_name = "FILE")]
     pub(crate) output: Option<PathBuf>,
+    #[command(flatten)]
+    pub(crate) compiler: CompilerArgs,
     /// Print this intermediate form instead of writing an image.
     #[arg(long, value_name = "FORM")]
     pub(crate) emit: Option<Form>,
@@ -200,6 +204,9 @@ pub(crate) enum Form {
     Mermaid,
     /// C99 source with a function that evaluates one cycle, of a command or of the node given by `--node`.
     C,
+    /// Functional Mock-up Unit (FMI 3.0, co-simulation) with the C source and its library for this machine, of a command or
+    /// of the node given by `--node`.
+    Fmu,
     /// Lustre source for model checkers, of a command or of the node given by `--node`.
     Lustre,
 }

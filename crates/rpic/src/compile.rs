@@ -9,6 +9,7 @@ use rpi_syntax::Dialect;
 
 use crate::args::{CompileArgs, Drawing, Form, GraphArgs, ImportArgs};
 use crate::check::{has_errors, print_diagnostics};
+use crate::fmu;
 use crate::outcome::{CommandResult, Exit, write_result};
 
 /// Carries out `rpic compile`: compiles a program and writes an image, or prints an intermediate form.
@@ -38,6 +39,7 @@ pub(crate) fn compile(args: &CompileArgs) -> CommandResult {
     }
     let net = select_net(&compiled, args.command.as_deref())?;
     match args.emit {
+        Some(Form::Fmu) => fmu::write_fmu(net, &input, &compiled.sources, args),
         Some(form) => show_form(form, net, &compiled, args),
         None => write_image(net, &input, args),
     }
@@ -45,13 +47,13 @@ pub(crate) fn compile(args: &CompileArgs) -> CommandResult {
 
 /// Returns whether a form can be written for a single node.
 fn is_node_form(form: Option<Form>) -> bool {
-    matches!(form, Some(Form::Lustre | Form::C))
+    matches!(form, Some(Form::Lustre | Form::C | Form::Fmu))
 }
 
 /// Carries out `rpic compile --emit` for a node. The Lustre text contains its assertions and contracts.
 fn write_node(input: &Input, args: &CompileArgs) -> CommandResult {
     let claims = match args.emit {
-        Some(Form::C) => ClaimPolicy::from(args.contracts),
+        Some(Form::C | Form::Fmu) => ClaimPolicy::from(args.contracts),
         _ => ClaimPolicy::Fault,
     };
     let compiled = rpi_driver::compile_node(input, args.node.as_deref(), claims, false)?;
@@ -59,8 +61,10 @@ fn write_node(input: &Input, args: &CompileArgs) -> CommandResult {
     let Some(node) = compiled.node else {
         return Ok(Exit::ErrorsReported);
     };
-    if args.emit == Some(Form::C) {
-        return write_c(&node.net, &compiled.sources, args);
+    match args.emit {
+        Some(Form::C) => return write_c(&node.net, &compiled.sources, args),
+        Some(Form::Fmu) => return fmu::write_fmu(&node.net, input, &compiled.sources, args),
+        _ => {}
     }
     let boundary = NodeInterface {
         inputs: &node.inputs,
@@ -95,8 +99,8 @@ fn show_form(
             print_diagnostics(Format::Human, &diagnostics, &compiled.sources)?;
             text
         }
-        // These forms were already printed, before the net was built.
-        Form::Tokens | Form::Ast | Form::Typed => String::new(),
+        // These forms were already written.
+        Form::Tokens | Form::Ast | Form::Typed | Form::Fmu => String::new(),
     };
     write_result(&args.file, args.output.as_deref(), text.as_bytes())?;
     Ok(Exit::Success)
@@ -110,16 +114,9 @@ fn write_c(net: &AnalysedNet, sources: &SourceMap, args: &CompileArgs) -> Comman
     let header = header.filter(|path| !args.single_file && !is_header(path));
     let header = header.map(|path| path.with_extension("h"));
     let include = header.as_deref().and_then(Path::file_name);
-    let source = args.file.file_name().unwrap_or_default();
     let options = emit::COptions {
-        period_ns: args.period,
         header: include.map(|name| name.to_string_lossy().into_owned()),
-        line_directives: args.line_directives,
-        origin: format!(
-            "Compiled from {} by rpic {}.",
-            source.to_string_lossy(),
-            env!("CARGO_PKG_VERSION")
-        ),
+        ..c_options(args)
     };
     let emitted = emit::c(net, sources, &options)?;
     if let Some(path) = header {
@@ -131,6 +128,21 @@ fn write_c(net: &AnalysedNet, sources: &SourceMap, args: &CompileArgs) -> Comman
         emitted.source.as_bytes(),
     )?;
     Ok(Exit::Success)
+}
+
+/// Returns the options of the translation to C for a single file.
+pub(crate) fn c_options(args: &CompileArgs) -> emit::COptions {
+    let source = args.file.file_name().unwrap_or_default();
+    emit::COptions {
+        period_ns: args.period,
+        header: None,
+        line_directives: args.line_directives,
+        origin: format!(
+            "Compiled from {} by rpic {}.",
+            source.to_string_lossy(),
+            env!("CARGO_PKG_VERSION")
+        ),
+    }
 }
 
 fn write_image(net: &AnalysedNet, input: &Input, args: &CompileArgs) -> CommandResult {
@@ -145,7 +157,7 @@ fn write_image(net: &AnalysedNet, input: &Input, args: &CompileArgs) -> CommandR
 }
 
 /// Returns the path of a source file with the extension `ending` in place of its own.
-fn with_extension(input: &Input, ending: &str) -> PathBuf {
+pub(crate) fn with_extension(input: &Input, ending: &str) -> PathBuf {
     let folder = input.path.parent().unwrap_or(Path::new(""));
     folder.join(format!("{}.{ending}", input.stem()))
 }

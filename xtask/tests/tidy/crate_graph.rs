@@ -153,7 +153,9 @@ const EDGES: &[(&str, &[&str])] = &[
     (
         "rpic",
         &[
+            "rpi-c-target",
             "rpi-cli",
+            "rpi-core",
             "rpi-diag",
             "rpi-doc",
             "rpi-driver",
@@ -168,6 +170,7 @@ const EDGES: &[(&str, &[&str])] = &[
     (
         "rpi",
         &[
+            "rpi-c-target",
             "rpi-cli",
             "rpi-client",
             "rpi-core",

@@ -8,7 +8,6 @@ mod values;
 
 use image_builder::ImageBuilder;
 use rpi_c_target::{CCompiler, Lockstep};
-use rpi_codegen::Options;
 use rpi_core::CycleContext;
 use rpi_device::NoDevices;
 use rpi_image::{Form, Image, Role};
@@ -52,16 +51,9 @@ fn cycles() -> u64 {
 
 /// Runs an image in the core and in C, with random inputs.
 fn compare(image: Image, compiler: &CCompiler, seed: u64) -> Result<(), String> {
-    let options = Options {
-        name: "Primitives",
-        header: None,
-        locate: &|_| None,
-        line_directives: false,
-        origin: "",
-    };
     let image = Arc::new(image);
     let bank = &mut NoDevices;
-    let both = Lockstep::start(&image, bank, &options, compiler);
+    let both = Lockstep::start(&image, bank, compiler);
     let mut both = both.map_err(|e| e.to_string())?;
     assert_eq!(both.process().self_test(), Ok(true));
     let mut random = Random(seed);
@@ -80,7 +72,7 @@ fn compare(image: Image, compiler: &CCompiler, seed: u64) -> Result<(), String> 
             ..CycleContext::default()
         };
         if !both.cycle(bank, &context).map_err(|e| e.to_string())? {
-            both.reset().map_err(|e| e.to_string())?;
+            both.instance().reset();
         }
     }
     Ok(())

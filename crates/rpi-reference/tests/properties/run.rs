@@ -122,14 +122,7 @@ impl CompiledNode {
     /// # Errors
     /// The first difference, or the messages of the C compiler.
     pub(crate) fn run_in_c(&self, rows: &Rows, compiler: &CCompiler) -> Result<(), String> {
-        let options = rpi_codegen::Options {
-            name: "Random",
-            header: None,
-            locate: &|_| None,
-            line_directives: false,
-            origin: "",
-        };
-        let both = Lockstep::start(&self.image, &mut NoDevices, &options, compiler);
+        let both = Lockstep::start(&self.image, &mut NoDevices, compiler);
         let mut both = both.map_err(|e| format!("C: {e}"))?;
         for row in rows {
             for (column, value) in self.node.inputs.iter().zip(row) {
