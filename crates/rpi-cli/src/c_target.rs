@@ -19,6 +19,7 @@ pub struct TargetArgs {
     /// core; every value must have the same bits.
     #[arg(long = "target", value_name = "TARGET", default_value = "core")]
     pub execution: ExecutionTarget,
+    /// C compiler.
     #[command(flatten)]
     pub compiler: CompilerArgs,
 }
@@ -28,6 +29,6 @@ pub struct TargetArgs {
 pub struct CompilerArgs {
     /// C compiler with its options, such as `clang -O3`. `cortex-m4` compiles with arm-none-eabi-gcc and runs the program
     /// on a microcontroller in QEMU.
-    #[arg(long = "cc", value_name = "COMMAND", default_value = "cc -O2")]
-    pub command: String,
+    #[arg(long, value_name = "COMMAND", default_value = "cc -O2")]
+    pub cc: String,
 }

@@ -1,7 +1,8 @@
 
-#include <inttypes.h>
 #include <stdio.h>
 #include <stdlib.h>
+/* After stdio.h, without which newlib leaves out the formats of 64 bits. */
+#include <inttypes.h>
 
 /* Number of periods of a clock, modulo 2^24, if the target has one for measurements. */
 #ifndef DRIVER_CLOCK

@@ -162,7 +162,8 @@ pub(crate) fn mentions(text: &str, name: &str) -> bool {
 /// Returns all identifiers of a C text, except names of fields.
 pub(crate) fn variables_in(text: &str) -> BTreeSet<&str> {
     let parts = tokens(text);
-    let is_field = |k: usize| k > 0 && (parts[k - 1].ends_with("->") || parts[k - 1].ends_with('.'));
+    let is_field =
+        |k: usize| k > 0 && (parts[k - 1].ends_with("->") || parts[k - 1].ends_with('.'));
     let named = parts.iter().enumerate().filter(|(k, _)| !is_field(*k));
     named.map(|(_, part)| *part).collect()
 }

@@ -31,7 +31,7 @@ impl ShadowedNode {
         if args.execution == ExecutionTarget::Core {
             return Ok(None);
         }
-        let compiler = CCompiler::new(&args.compiler.command);
+        let compiler = CCompiler::new(&args.compiler.cc);
         Ok(Some(ShadowedNode {
             shadow: Shadow::start(image, &compiler)?,
             compiler,
@@ -92,7 +92,7 @@ pub(crate) struct ShadowedCommands {
 impl ShadowedCommands {
     pub(crate) fn new(args: &CompilerArgs) -> ShadowedCommands {
         ShadowedCommands {
-            compiler: CCompiler::new(&args.command),
+            compiler: CCompiler::new(&args.cc),
             programs: Vec::new(),
             running: BTreeMap::new(),
             cycles: 0,

@@ -20,7 +20,7 @@ impl TestInC {
         if args.execution == ExecutionTarget::Core {
             return Ok(None);
         }
-        let compiler = CCompiler::new(&args.compiler.command);
+        let compiler = CCompiler::new(&args.compiler.cc);
         Ok(Some(TestInC {
             shadow: Shadow::start(image, &compiler)?,
             difference: None,
@@ -37,6 +37,8 @@ impl TestInC {
     /// Returns the first difference from the core as text.
     pub(crate) fn difference(self) -> Option<String> {
         let difference = self.difference?;
-        Some(format!("the program in C differs from the core: {difference}"))
+        Some(format!(
+            "the program in C differs from the core: {difference}"
+        ))
     }
 }

@@ -16,7 +16,7 @@ pub(crate) fn write_fmu(
     args: &CompileArgs,
 ) -> CommandResult {
     let fmu = emit::fmu(net, sources, &c_options(args))?;
-    let compiler = CCompiler::new(&args.compiler.command);
+    let compiler = CCompiler::new(&args.compiler.cc);
     let bytes = rpi_c_target::package(&fmu, &compiler)?;
     let path = args.output.clone();
     let path = path.unwrap_or_else(|| with_extension(input, "fmu"));

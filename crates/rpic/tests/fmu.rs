@@ -79,7 +79,11 @@ fn expected() -> Vec<String> {
 fn a_controller_is_a_valid_unit_with_the_same_bits() {
     let Some(python) = python() else { return };
     let folder = tempfile::tempdir().unwrap();
-    let unit = emit(folder.path(), "examples/motor/motor.rpi", &["--node", "Drive"]);
+    let unit = emit(
+        folder.path(),
+        "examples/motor/motor.rpi",
+        &["--node", "Drive"],
+    );
     let cycles = CYCLES.to_string();
     let found = simulate(&python, &unit, &["voltage", &cycles]);
     assert_eq!(found, expected());
@@ -98,7 +102,13 @@ fn a_robot_command_is_a_valid_unit() {
 fn a_program_with_device_functions_is_refused() {
     let program = "examples/blending/blending.rpi";
     let command = ["--command", "MoveToA"];
-    let output = rpic(&[&["compile", program, "--emit", "fmu", "-o", "/dev/null"], &command[..]].concat());
+    let output = rpic(
+        &[
+            &["compile", program, "--emit", "fmu", "-o", "/dev/null"],
+            &command[..],
+        ]
+        .concat(),
+    );
     let error = String::from_utf8_lossy(&output.stderr).into_owned();
     assert_eq!(output.status.code(), Some(2), "{error}");
     assert!(error.contains("functions of devices"), "{error}");

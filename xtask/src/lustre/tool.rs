@@ -68,7 +68,11 @@ impl Tools {
         let (out, err) = (tempfile::tempfile()?, tempfile::tempfile()?);
         let mut child = Command::new(self.folder.join(tool))
             .args(args)
-            .args(self.run_options.iter().filter(|_| args.first() == Some(&"run")))
+            .args(
+                self.run_options
+                    .iter()
+                    .filter(|_| args.first() == Some(&"run")),
+            )
             .env("NO_COLOR", "1")
             .stdin(Stdio::null())
             .stdout(out.try_clone()?)

@@ -318,6 +318,17 @@ FMU_REFUSED(fmi3GetDirectionalDerivative, FMU_VALUES, const fmu_reference knowns
 FMU_REFUSED(fmi3GetAdjointDerivative, FMU_VALUES, const fmu_reference knowns[], size_t known_count, const double seed[],
     size_t seed_length, double sensitivity[], size_t length)
 FMU_REFUSED(fmi3GetOutputDerivatives, FMU_VALUES, const int32_t orders[], double values[], size_t length)
+FMU_REFUSED(fmi3EnterContinuousTimeMode, void *instance)
+FMU_REFUSED(fmi3CompletedIntegratorStep, void *instance, bool is_final, bool *enters_event_mode, bool *terminates)
+FMU_REFUSED(fmi3SetTime, void *instance, double time)
+FMU_REFUSED(fmi3GetContinuousStates, void *instance, double states[], size_t count)
+FMU_REFUSED(fmi3SetContinuousStates, void *instance, const double states[], size_t count)
+FMU_REFUSED(fmi3GetContinuousStateDerivatives, void *instance, double derivatives[], size_t count)
+FMU_REFUSED(fmi3GetNominalsOfContinuousStates, void *instance, double nominals[], size_t count)
+FMU_REFUSED(fmi3GetEventIndicators, void *instance, double indicators[], size_t count)
+FMU_REFUSED(fmi3GetNumberOfContinuousStates, void *instance, size_t *count)
+FMU_REFUSED(fmi3GetNumberOfEventIndicators, void *instance, size_t *count)
+FMU_REFUSED(fmi3ActivateModelPartition, void *instance, fmu_reference clock, double time)
 
 #ifdef __cplusplus
 }

@@ -59,7 +59,10 @@ pub fn fmu(image: &Image, options: &Options<'_>) -> Result<Fmu, FmuError> {
     };
     let emitted = crate::emit(image, &single);
     // The token distinguishes this version of the program from others.
-    let token = &format!("{{{:016x}}}", Fnv1a::new().with_bytes(&image.to_bytes()).finish());
+    let token = &format!(
+        "{{{:016x}}}",
+        Fnv1a::new().with_bytes(&image.to_bytes()).finish()
+    );
     let mut source = emitted.source.clone();
     // Writing to a string cannot fail.
     let _ = bindings(image, options.name, &emitted, token, &mut source);

@@ -5,7 +5,7 @@ mod support;
 use std::path::{Path, PathBuf};
 use std::process::Command;
 
-use rpi_testkit::{files_below, report_skip};
+use rpi_testkit::{files_below, report_skip, workspace_root};
 use support::recordings::record;
 use support::{output_text, rpi};
 
@@ -21,10 +21,11 @@ fn answers(program: &str) -> bool {
 fn run_in_c(program: &Path, compiler: &str) -> String {
     let (path, inputs) = (text(program), text(&program.with_extension("in.csv")));
     let target = ["--target", "c", "--cc", compiler];
-    let output = rpi(&[&["run", &path, "--inputs", &inputs][..], &target].concat());
+    let output = rpi(&[&["run", &path, "--inputs", &inputs][..], &target[..]].concat());
     let summary = String::from_utf8_lossy(&output.stderr).into_owned();
     assert_eq!(output.status.code(), Some(0), "{path}\n{summary}");
-    let wanted = std::fs::read(program.with_extension("out.csv")).expect("a table stands beside it");
+    let wanted =
+        std::fs::read(program.with_extension("out.csv")).expect("a table stands beside it");
     assert_eq!(output.stdout, wanted, "{path}");
     assert!(summary.contains("the same bits in C"), "{path}\n{summary}");
     summary
@@ -75,7 +76,10 @@ fn a_recording_gives_the_same_bits_in_c() {
     let output = rpi(&["replay", &file, "--against", "c", "--cc", "gcc -O1"]);
     let report = output_text(&output);
     assert_eq!(output.status.code(), Some(0), "{report}");
-    assert!(report.contains("the same bits in C (gcc -O1) in 7"), "{report}");
+    assert!(
+        report.contains("the same bits in C (gcc -O1) in 7"),
+        "{report}"
+    );
     // A compiler that changes a constant stands for one that changes the meaning of the program.
     let script = folder.path().join("cc.sh");
     let edit = "sed -i 's/^  out->\\(.*\\) = true;/  out->\\1 = false;/' program.c";
@@ -89,8 +93,12 @@ fn a_recording_gives_the_same_bits_in_c() {
 
 #[test]
 fn commands_are_referred_to_recordings() {
-    let output = rpi(&["run", "examples/first/first.rpi", "--target", "c"]);
+    let program = workspace_root().join("examples/first/first.rpi");
+    let output = rpi(&["run", &text(&program), "--target", "c"]);
     let report = output_text(&output);
     assert_eq!(output.status.code(), Some(2), "{report}");
-    assert!(report.contains("rpi replay FILE.mcap --against c"), "{report}");
+    assert!(
+        report.contains("rpi replay FILE.mcap --against c"),
+        "{report}"
+    );
 }
