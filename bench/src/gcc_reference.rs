@@ -8,9 +8,8 @@ use crate::clock::timed;
 use crate::image_compare::lower_net;
 use rpi_core::{CycleContext, Instance};
 use rpi_device::NoDevices;
-use rpi_lower::{LowerOptions, Plan, emit_c};
+use rpi_lower::LowerOptions;
 use rpi_net::Net;
-use rpi_net::passes::analyse;
 use std::io::{BufRead, BufReader, Write};
 use std::path::Path;
 use std::process::{Child, ChildStdin, ChildStdout, Command, Stdio};
@@ -141,36 +140,31 @@ impl Drop for CompiledNet {
     }
 }
 
-/// Returns a net as C source text.
+/// Returns a net as C source text, with functions whose names start with `Net`.
 ///
 /// # Errors
-/// Returns the first primitive that has no C form, or the reason why the net cannot be analysed.
+/// Returns the reason why the net cannot be lowered.
 pub fn c_text(net: &Net) -> Result<String, BenchError> {
-    let options = LowerOptions::running(1_000_000);
-    let analysis = analyse(net.clone(), |_| false).map_err(BenchError::from_cause)?;
-    let plan = Plan::from_analysis(&analysis).ok_or_else(|| BenchError::new("dependency cycle"))?;
-    emit_c(&analysis.net, &plan, &options).map_err(|diagnostics| {
-        let first = diagnostics.first();
-        BenchError::new(first.map_or(String::new(), |diagnostic| diagnostic.message.clone()))
-    })
+    let image = lower_net(net, &LowerOptions::running(1_000_000))?;
+    let options = rpi_codegen::Options {
+        name: "Net",
+        header: None,
+        locate: &|_| None,
+        line_directives: false,
+        origin: "",
+    };
+    Ok(rpi_codegen::emit(&image, &options).source)
 }
 
 /// Compiles a net with the C compiler in the folder `dir`. Returns the path of the program.
 fn compile(net: &Net, dir: &Path) -> Result<std::path::PathBuf, BenchError> {
     let (source, binary) = (dir.join("net.c"), dir.join("net"));
     std::fs::write(&source, c_text(net)? + C_MAIN).map_err(BenchError::from_cause)?;
-    let flags = [
-        "-O2",
-        "-std=c99",
-        "-D_POSIX_C_SOURCE=199309L",
-        "-ffp-contract=off",
-        "-o",
-    ];
+    let flags = ["-O2", "-std=c99", "-D_POSIX_C_SOURCE=199309L", "-o"];
     let compiled = Command::new("cc")
         .args(flags)
         .arg(&binary)
         .arg(&source)
-        .arg("-lm")
         .output();
     let compiled = compiled.map_err(|e| BenchError::new(format!("cc: {e}")))?;
     match compiled.status.success() {
@@ -187,21 +181,22 @@ const C_MAIN: &str = r#"
 #include <time.h>
 
 int main(void) {
-  static Inputs in; static State state; static Outputs out;
+  static Net_in in; static Net_state state; static Net_out out;
   unsigned long long n;
   uint64_t cycle = 0, bits;
-  reset(&state);
+  Net_init(&in);
+  Net_reset(&state);
   while (scanf("%llu", &n) == 1) {
     struct timespec a, b;
     clock_gettime(CLOCK_THREAD_CPUTIME_ID, &a);
     for (uint64_t k = 0; k < n; ++k, ++cycle) {
-      in.n0_outValue = (double)(cycle % 200) * 0.01 - 1.0;
-      step(&in, &state, &out);
+      in.x = (double)(cycle % 200) * 0.01 - 1.0;
+      Net_step(&state, &in, &out);
       __asm__ volatile("" ::: "memory");
     }
     clock_gettime(CLOCK_THREAD_CPUTIME_ID, &b);
     double ns = ((b.tv_sec - a.tv_sec) * 1e9 + (b.tv_nsec - a.tv_nsec)) / n;
-    memcpy(&bits, &out.y_, sizeof bits);
+    memcpy(&bits, &out.y, sizeof bits);
     printf("%.3f %llx\n", ns, (unsigned long long)bits);
     fflush(stdout);
   }

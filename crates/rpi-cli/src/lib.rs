@@ -1,6 +1,7 @@
-//! Shared parts of the command-line tools `rpic` and `rpi`: version, shell completions and manual pages, output to
-//! files and pipes, and the end of the process. It is independent of the commands of the tools.
+//! Shared parts of the command-line tools `rpic` and `rpi`: version, shell completions and manual pages, common options,
+//! output to files and pipes, and the end of the process. It is independent of the commands of the tools.
 
+mod c_target;
 mod output;
 
 use std::error::Error;
@@ -10,6 +11,7 @@ use std::process::ExitCode;
 use clap::CommandFactory;
 pub use clap_complete::Shell;
 
+pub use c_target::{CompilerArgs, ExecutionTarget, TargetArgs};
 pub use output::{ignore_broken_pipe, is_same_file, print};
 
 /// Version that `--version` prints: that of the tools, and that of the image format that they read and write.

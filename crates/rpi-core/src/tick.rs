@@ -22,6 +22,9 @@ pub trait CycleObserver {
     /// Receives the id of each command just before its evaluation, and `None` after the last command, to measure
     /// computing times.
     fn evaluation_starts(&mut self, _next: Option<CommandId>) {}
+
+    /// Receives each command after its evaluation, before its delays are stored: the values are those of the cycle.
+    fn evaluated(&mut self, _id: CommandId, _command: &Command) {}
 }
 
 /// Observer that ignores all calls.
@@ -89,6 +92,7 @@ impl Core {
             };
             watch.evaluation_starts(Some(entry.id(place)));
             entry.command.instance.evaluate(bank);
+            watch.evaluated(entry.id(place), &entry.command);
         }
         watch.evaluation_starts(None);
     }

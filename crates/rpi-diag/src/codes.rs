@@ -203,7 +203,6 @@ codes! {
     RPI9014 Warning "guarantee violated";
     RPI9015 Warning "no contract mode applies";
     RPI9021 Error "invalid recording";
-    RPI9101 Error "primitive not supported in C";
     RPI9102 Warning "not representable in a net";
     RPI9103 Warning "primitive not supported in Lustre";
     RPI9201 Error "insecure server address";

@@ -1,6 +1,8 @@
 //! Intermediate and output forms of a program (`rpic compile --emit`).
 
-use rpi_diag::{Diagnostic, SourceMap};
+use rpi_diag::{Diagnostic, FileId, SourceMap, Span};
+use rpi_image::Image;
+use rpi_image::image::SourceLocation;
 use rpi_lower::LowerOptions;
 use rpi_net::lustre::NodeInterface;
 use rpi_net::passes::Item;
@@ -104,12 +106,85 @@ pub fn image(net: &AnalysedNet, period_ns: u64) -> Result<String, LowerError> {
     Ok(rpi_image::text::print(&image, &catalogue))
 }
 
-/// Returns the net as C99 source. `period_ns` is the period of a cycle in nanoseconds.
+/// Choices for the translation of a net to C.
+#[derive(Clone, Debug)]
+pub struct COptions {
+    /// Period of a cycle in nanoseconds.
+    pub period_ns: u64,
+    /// Name of the header that the source includes; `None` for a single file.
+    pub header: Option<String>,
+    /// Whether the text contains `#line` directives.
+    pub line_directives: bool,
+    /// Text for the first comment: the source and the version of the compiler.
+    pub origin: String,
+}
+
+/// Translates a net to C. `sources` are the texts to which its locations refer.
 ///
 /// # Errors
-/// One diagnostic per type of primitive that is not supported in C.
-pub fn c(net: &AnalysedNet, period_ns: u64) -> Result<String, Vec<Diagnostic>> {
-    rpi_lower::emit_c(net, &net.plan(), &LowerOptions::running(period_ns))
+/// If the net cannot be lowered.
+pub fn c(
+    net: &AnalysedNet,
+    sources: &SourceMap,
+    options: &COptions,
+) -> Result<rpi_codegen::Emitted, LowerError> {
+    let image = lower_for_c(net, options.period_ns)?;
+    Ok(with_emission(&image, sources, options, rpi_codegen::emit))
+}
+
+/// Translates a net to the files of a Functional Mock-up Unit. `sources` are the texts to which its locations refer.
+///
+/// # Errors
+/// If the net cannot be lowered, or calls functions of devices.
+pub fn fmu(
+    net: &AnalysedNet,
+    sources: &SourceMap,
+    options: &COptions,
+) -> Result<rpi_codegen::Fmu, Box<dyn std::error::Error>> {
+    let image = lower_for_c(net, options.period_ns)?;
+    Ok(with_emission(&image, sources, options, rpi_codegen::fmu)?)
+}
+
+/// Calls a function of the translation to C with its options for an image.
+fn with_emission<T>(
+    image: &Image,
+    sources: &SourceMap,
+    options: &COptions,
+    translate: impl Fn(&Image, &rpi_codegen::Options<'_>) -> T,
+) -> T {
+    let locate = |location: &SourceLocation| place(sources, location);
+    let name = rpi_codegen::program_name(&image.name);
+    let emission = rpi_codegen::Options {
+        name: &name,
+        header: options.header.as_deref(),
+        locate: &locate,
+        line_directives: options.line_directives,
+        origin: &options.origin,
+    };
+    translate(image, &emission)
+}
+
+/// Lowers a net to the image from which C is emitted: the image for execution, with the locations of all operations.
+///
+/// # Errors
+/// If the net is too large.
+pub fn lower_for_c(net: &AnalysedNet, period_ns: u64) -> Result<Image, LowerError> {
+    let options = LowerOptions {
+        locates_all: true,
+        ..LowerOptions::running(period_ns)
+    };
+    lower(net, &options)
+}
+
+fn place(sources: &SourceMap, location: &SourceLocation) -> Option<rpi_codegen::SourcePlace> {
+    let range = location.range?;
+    let file = FileId(range.file);
+    let at = sources.line_col(Span::new(file, range.start, range.start));
+    Some(rpi_codegen::SourcePlace {
+        file: sources.name(file).to_owned(),
+        line: at.line,
+        column: at.col,
+    })
 }
 
 /// Returns a net as the source of a Lustre node, and diagnostics for the primitives that became inputs of the node.

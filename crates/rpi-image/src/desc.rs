@@ -300,7 +300,7 @@ pub struct DeviceUse {
 
 /// Response of a device to the set-point of the current cycle. An actuator primitive has an out-port for each response
 /// it declares.
-#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+#[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Debug)]
 pub enum DeviceResponse {
     /// True if another actuator primitive has set the same port of the device in the same cycle.
     ConcurrentAccess,

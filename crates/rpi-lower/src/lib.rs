@@ -10,7 +10,6 @@
 mod access;
 mod boolean_ops;
 mod build;
-mod c;
 mod emit;
 mod flat_net;
 mod lower_error;
@@ -19,7 +18,6 @@ mod passes;
 mod plan;
 mod registers;
 
-pub use c::emit_c;
 pub use lower_error::LowerError;
 pub use options::{LowerOptions, Observe};
 pub use plan::Plan;

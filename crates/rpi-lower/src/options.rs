@@ -16,6 +16,9 @@ pub struct LowerOptions<'a> {
     /// Predicate that is true for out-ports that may be absent although their primitive always outputs a value, because
     /// a replay may force an absent value on them.
     pub may_be_absent: &'a dyn Fn(PortRef) -> bool,
+    /// Whether the image has the source location of every operation, for a text that is read by people. Otherwise it has
+    /// those of the operations that may fault.
+    pub locates_all: bool,
 }
 
 /// Set of values that an observer can read while an image runs.
@@ -38,6 +41,7 @@ impl LowerOptions<'_> {
             tick_ns: period_ns,
             observe: Observe::Exports,
             may_be_absent: &|_| false,
+            locates_all: false,
         }
     }
 

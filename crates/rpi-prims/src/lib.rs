@@ -8,6 +8,7 @@
 extern crate alloc;
 
 pub mod aggregates;
+pub mod c_code;
 pub mod catalogue;
 pub mod context;
 pub mod differences;

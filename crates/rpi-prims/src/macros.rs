@@ -7,6 +7,7 @@
 //!     in { inFirst: f64 = First(Real(0.0)); inSecond: f64 = Second(Real(0.0)) }
 //!     out { outValue: f64 }
 //!     presence strict work 1;
+//!     c Value("inFirst + inSecond");
 //!     pure |(a, b)| (a + b,)
 //! }
 //! ```
@@ -19,6 +20,8 @@
 //! Presence is one of `strict`, `if_all`, `if_any`, `always`, `maybe` (see [`rpi_image::Presence`]). The closure of a
 //! strict primitive has values as arguments and results; other closures have options. `faults` after `work N` means
 //! that a cycle may fault.
+//!
+//! The clause `c` is the same code as C text, see [`crate::c_code::CForm`]. A primitive without it does not compile.
 //!
 //! - `pure |inputs| outputs`: no state, no parameters.
 //! - `full |cx, place, state, params, inputs| outputs`: `cx` provides slots and clocks and records faults
@@ -44,6 +47,7 @@ macro_rules! primitive {
         $( init $init:expr; )?
         $( shape $shape:expr; )?
         presence $presence:ident work $work:literal $( $faults:ident )?;
+        c $c:expr;
         $kind:ident $code:expr
     ) => {
         $(#[doc = $doc])+
@@ -73,6 +77,14 @@ macro_rules! primitive {
             optional: $crate::macros::optional!($presence $kind, ($($ity,)*), ($( $($pty,)* )?), ($($oty,)*),
                 $crate::macros::memory!([$( $( $sty ),* )?] [$( $ring )?]), $code),
             init: $crate::macros::init!($( $init )?),
+            c: Some($crate::c_code::CCode {
+                form: {
+                    #[allow(unused_imports)]
+                    use $crate::c_code::CForm::*;
+                    $c
+                },
+                state: &[ $( $( <$sty as $crate::value_types::FlowType>::SCALAR ),* )? ],
+            }),
         };
     };
 }
@@ -115,6 +127,7 @@ macro_rules! interface {
             total: None,
             optional: None,
             init: None,
+            c: None,
         };
     };
 }

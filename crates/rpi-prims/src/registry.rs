@@ -1,5 +1,6 @@
 //! Table of all primitives.
 
+use crate::c_code::CCode;
 use crate::catalogue;
 use crate::context::Context;
 use core::cmp::Ordering;
@@ -24,6 +25,8 @@ pub struct Prim {
     pub optional: Option<RunFn>,
     /// Function that writes the initial content of the state; `None` if it is zero.
     pub init: Option<fn(&SizeArgs<'_>, &mut [u64])>,
+    /// The same code as C text; `None` if the core implements the primitive itself.
+    pub c: Option<CCode>,
 }
 
 /// Index of a primitive in [`registry`].

@@ -4,7 +4,7 @@ use std::net::SocketAddr;
 use std::path::PathBuf;
 
 use clap::{Args, Parser, Subcommand, ValueEnum, value_parser};
-use rpi_cli::{Shell, VERSION};
+use rpi_cli::{CompilerArgs, ExecutionTarget, Shell, TargetArgs, VERSION};
 use rpi_driver::ClaimPolicy;
 use rpi_runtime::realtime::{CommandOverrunPolicy, OverrunPolicy, RealTime, SchedulingOptions};
 use rpi_runtime::run::InputSetting;
@@ -148,6 +148,8 @@ pub(crate) struct RunArgs {
     pub(crate) node: NodeArgs,
     #[command(flatten)]
     pub(crate) target: Target,
+    #[command(flatten, next_help_heading = "Single nodes")]
+    pub(crate) execution: TargetArgs,
     /// Run on simulated time, as fast as possible (default).
     #[arg(long, conflicts_with = "real_time")]
     pub(crate) sim_time: bool,
@@ -424,6 +426,11 @@ pub(crate) struct ReplayArgs {
     /// Tolerance of the comparison of reals: absolute for values up to 1, relative beyond.
     #[arg(long, default_value_t = 1e-9, value_parser = tolerance)]
     pub(crate) tolerance: f64,
+    /// Run the commands of a recording in C, too, beside the core: every flow and set-point must have the same bits.
+    #[arg(long, value_name = "TARGET", default_value = "core")]
+    pub(crate) against: ExecutionTarget,
+    #[command(flatten)]
+    pub(crate) compiler: CompilerArgs,
     /// Print the report of the comparison as JSON.
     #[arg(long)]
     pub(crate) json: bool,

@@ -7,6 +7,7 @@
 mod allocator;
 mod args;
 mod budget_args;
+mod c_target;
 mod cell_file;
 mod exit;
 mod export;

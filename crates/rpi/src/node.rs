@@ -11,6 +11,7 @@ use rpi_net::Column;
 use rpi_replay::node_runner::{ColumnValues, NodeRun, TableReader, header_line, row_line};
 
 use crate::args::{ContractsMode, NodeArgs, RunArgs};
+use crate::c_target::ShadowedNode;
 use crate::exit::{CommandResult, Exit};
 use crate::output::create;
 use crate::random::InputGenerator;
@@ -40,6 +41,7 @@ pub(crate) fn run(args: &RunArgs) -> CommandResult {
     let image = rpi_driver::lower_for_execution(&node.net, args.target.period.unwrap_or(PERIOD))?;
     let shown: Vec<Column> = node.outputs.into_iter().chain(node.locals).collect();
     let mut session = NodeSession {
+        in_c: ShadowedNode::start(&image, &args.execution)?,
         run: NodeRun::load(image, &node.inputs, &shown, &node.net.claims)?,
         shown,
         out: output(&args.program, &args.node)?,
@@ -59,6 +61,9 @@ pub(crate) fn run(args: &RunArgs) -> CommandResult {
     };
     session.out.flush()?;
     rpi_diag::print_stderr!("{}", session.run.summary());
+    if let Some(in_c) = session.in_c.as_mut().filter(|_| exit.is_ok()) {
+        rpi_diag::println_stderr!("{}", in_c.summary()?);
+    }
     exit
 }
 
@@ -103,6 +108,8 @@ fn output(program: &Path, args: &NodeArgs) -> Result<Box<dyn Write>, Box<dyn Err
 /// Run of a single node, with the destination of its outputs.
 struct NodeSession {
     run: NodeRun,
+    /// The node in C, if it is requested.
+    in_c: Option<ShadowedNode>,
     shown: Vec<Column>,
     out: Box<dyn Write>,
     sources: SourceMap,
@@ -119,8 +126,11 @@ impl NodeSession {
 
     /// Runs one cycle with the given inputs (one for each in-port, as memory slots), writes the outputs and prints
     /// diagnostics. Returns false if there was an error.
-    fn cycle(&mut self, given: &[Option<Vec<u64>>]) -> std::io::Result<bool> {
-        let mut cycle = self.run.cycle(given);
+    fn cycle(&mut self, given: &[Option<Vec<u64>>]) -> Result<bool, Box<dyn Error>> {
+        let in_c = &mut self.in_c;
+        let mut cycle = self.run.cycle_observed(given, &mut |instance| {
+            in_c.iter_mut().for_each(|in_c| in_c.cycle(instance));
+        });
         rpi_diag::fill_quotes(&mut cycle.diagnostics, &self.sources);
         if let Some(row) = cycle.row {
             let row = self.hold_absent(row);
@@ -129,6 +139,9 @@ impl NodeSession {
         }
         if !cycle.diagnostics.is_empty() {
             rpi_diag::print_stderr!("{}", render(&cycle.diagnostics, &self.sources, self.style));
+        }
+        if let Some(text) = self.in_c.as_ref().and_then(ShadowedNode::difference) {
+            return Err(format!("the program in C differs from the core: {text}").into());
         }
         let mut severities = cycle
             .diagnostics

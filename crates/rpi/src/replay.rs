@@ -2,12 +2,14 @@
 
 use std::path::PathBuf;
 
+use rpi_cli::ExecutionTarget;
 use rpi_driver::ClaimPolicy;
 use rpi_record::mcap::{self, Recording};
 use rpi_record::trace::Trace;
 use rpi_replay::trace_compare::Options;
 
 use crate::args::ReplayArgs;
+use crate::c_target::ShadowedCommands;
 use crate::exit::{CommandResult, Exit};
 use crate::program;
 use crate::run::is_mcap;
@@ -21,6 +23,11 @@ pub(crate) fn replay(args: &ReplayArgs) -> CommandResult {
                 "--trace and --command are for nets; a recording is compared with itself".into(),
             ),
         };
+    }
+    if args.against == ExecutionTarget::C {
+        return Err(
+            "--against c is for recordings (.mcap): a trace replaces computed values by recorded ones".into(),
+        );
     }
     if args.trace.is_empty() {
         return Err(
@@ -47,11 +54,27 @@ pub(crate) fn replay(args: &ReplayArgs) -> CommandResult {
 fn replay_recording(args: &ReplayArgs) -> CommandResult {
     let name = args.net.display();
     let recording = Recording::open(&args.net).map_err(|e| format!("{name}: {e}"))?;
-    let report = mcap::replay(&recording).map_err(|e| format!("{name}: {e}"))?;
+    let mut in_c = ShadowedCommands::new(&args.compiler);
+    let report = match args.against {
+        ExecutionTarget::Core => mcap::replay(&recording),
+        ExecutionTarget::C => mcap::replay_observed(&recording, &mut |tick, id, command| {
+            in_c.cycle(tick, id, command);
+        }),
+    };
+    let report = report.map_err(|e| format!("{name}: {e}"))?;
     rpi_cli::print(&match args.json {
         true => format!("{}\n", report.to_json()),
         false => report.to_string(),
     })?;
+    if args.against == ExecutionTarget::C {
+        match in_c.summary() {
+            Ok(text) => rpi_diag::println_stderr!("{text}"),
+            Err(text) => {
+                rpi_diag::println_stderr!("{text}");
+                return Ok(Exit::CommandError);
+            }
+        }
+    }
     Ok(verdict(report.agrees()))
 }
 

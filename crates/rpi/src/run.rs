@@ -8,6 +8,7 @@ use std::sync::Arc;
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::time::Duration;
 
+use rpi_cli::ExecutionTarget;
 use rpi_core::MotionControls;
 use rpi_diag::{Style, render};
 use rpi_driver::{AnalysedNet, CompileOptions, Compiled, Program};
@@ -127,6 +128,9 @@ fn draw(
 }
 
 fn compile(args: &RunArgs) -> Result<Compiled, Box<dyn Error>> {
+    if args.execution.execution == ExecutionTarget::C {
+        return Err("--target c runs single nodes (--node); for commands, record the run and compare it with `rpi replay FILE.mcap --against c`".into());
+    }
     if args.share.is_present() && !args.clock.real_time {
         return Err("--cycle-share and --machine require --real-time; cycles of simulated time have no time limit".into());
     }

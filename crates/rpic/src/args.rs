@@ -3,7 +3,7 @@
 use std::path::PathBuf;
 
 use clap::{Args, Parser, Subcommand, ValueEnum};
-use rpi_cli::{Shell, VERSION};
+use rpi_cli::{CompilerArgs, Shell, TargetArgs, VERSION};
 use rpi_diag::Format;
 use rpi_driver::ClaimPolicy;
 
@@ -98,6 +98,8 @@ pub(crate) struct TestArgs {
     /// Period of the cycle, such as 1ms.
     #[arg(long, default_value = "1ms", value_parser = rpi_driver::parse_duration, value_name = "TIME")]
     pub(crate) period: u64,
+    #[command(flatten)]
+    pub(crate) execution: TargetArgs,
     /// Report fragments, branches and transitions that no test has covered.
     #[arg(long)]
     pub(crate) coverage: bool,
@@ -131,16 +133,24 @@ pub(crate) struct CompileArgs {
     /// Output file. Default: the source file with the extension .rpib, or standard output with `--emit`.
     #[arg(long, short, value_name = "FILE")]
     pub(crate) output: Option<PathBuf>,
+    #[command(flatten)]
+    pub(crate) compiler: CompilerArgs,
     /// Print this intermediate form instead of writing an image.
     #[arg(long, value_name = "FORM")]
     pub(crate) emit: Option<Form>,
     /// Command to compile, if the program has several.
     #[arg(long, value_name = "NAME")]
     pub(crate) command: Option<String>,
-    /// Node to write as a Lustre node with `--emit lustre`. Default in a Lustre program: the node that `rpi run` would
-    /// run.
-    #[arg(long, value_name = "NAME")]
+    /// Node or function to write with `--emit lustre` or `--emit c`. Default in a Lustre program: the node that `rpi run`
+    /// would run.
+    #[arg(long, visible_alias = "function", value_name = "NAME")]
     pub(crate) node: Option<String>,
+    /// Write the declarations of `--emit c` to the source file instead of a header beside it.
+    #[arg(long)]
+    pub(crate) single_file: bool,
+    /// Write `#line` directives with `--emit c`, so that C compilers and debuggers show the places of the program.
+    #[arg(long)]
+    pub(crate) line_directives: bool,
     /// Treatment of assertions and contracts in the image: omitted, published for monitoring, or a fault that ends the
     /// command.
     #[arg(long, value_name = "MODE", default_value = "off")]
@@ -192,8 +202,11 @@ pub(crate) enum Form {
     Dot,
     /// Drawing of the net in the language of Mermaid.
     Mermaid,
-    /// C99 source with a function that evaluates one cycle.
+    /// C99 source with a function that evaluates one cycle, of a command or of the node given by `--node`.
     C,
+    /// Functional Mock-up Unit (FMI 3.0, co-simulation) with the C source and its library for this machine, of a command or
+    /// of the node given by `--node`.
+    Fmu,
     /// Lustre source for model checkers, of a command or of the node given by `--node`.
     Lustre,
 }

@@ -2,13 +2,14 @@
 
 use std::path::{Path, PathBuf};
 
-use rpi_diag::Format;
+use rpi_diag::{Format, SourceMap};
 use rpi_driver::{AnalysedNet, ClaimPolicy, Compiled, Input, InputKind, emit, graph as draw};
 use rpi_net::lustre::NodeInterface;
 use rpi_syntax::Dialect;
 
 use crate::args::{CompileArgs, Drawing, Form, GraphArgs, ImportArgs};
 use crate::check::{has_errors, print_diagnostics};
+use crate::fmu;
 use crate::outcome::{CommandResult, Exit, write_result};
 
 /// Carries out `rpic compile`: compiles a program and writes an image, or prints an intermediate form.
@@ -25,32 +26,46 @@ pub(crate) fn compile(args: &CompileArgs) -> CommandResult {
         return Ok(Exit::Success);
     }
     let is_lustre = Dialect::from_path(&input.path.display().to_string()) == Dialect::Lustre;
-    if args.emit == Some(Form::Lustre) && (is_lustre || args.node.is_some()) {
-        return node_as_lustre(&input, args);
+    if is_node_form(args.emit) && (is_lustre || args.node.is_some()) {
+        return write_node(&input, args);
     }
     let compiled = rpi_driver::compile_with(&input, rpi_driver::ClaimPolicy::from(args.contracts))?;
     print_diagnostics(Format::Human, &compiled.diagnostics, &compiled.sources)?;
     if compiled.has_errors() {
         return Ok(Exit::ErrorsReported);
     }
-    if args.emit == Some(Form::Lustre) && args.command.is_none() && compiled.nets().is_empty() {
-        return node_as_lustre(&input, args);
+    if is_node_form(args.emit) && args.command.is_none() && compiled.nets().is_empty() {
+        return write_node(&input, args);
     }
     let net = select_net(&compiled, args.command.as_deref())?;
     match args.emit {
+        Some(Form::Fmu) => fmu::write_fmu(net, &input, &compiled.sources, args),
         Some(form) => show_form(form, net, &compiled, args),
         None => write_image(net, &input, args),
     }
 }
 
-/// Carries out `rpic compile --emit lustre` for a node: writes the node and its assertions and contracts as Lustre.
-fn node_as_lustre(input: &Input, args: &CompileArgs) -> CommandResult {
-    let compiled =
-        rpi_driver::compile_node(input, args.node.as_deref(), ClaimPolicy::Fault, false)?;
+/// Returns whether a form can be written for a single node.
+fn is_node_form(form: Option<Form>) -> bool {
+    matches!(form, Some(Form::Lustre | Form::C | Form::Fmu))
+}
+
+/// Carries out `rpic compile --emit` for a node. The Lustre text contains its assertions and contracts.
+fn write_node(input: &Input, args: &CompileArgs) -> CommandResult {
+    let claims = match args.emit {
+        Some(Form::C | Form::Fmu) => ClaimPolicy::from(args.contracts),
+        _ => ClaimPolicy::Fault,
+    };
+    let compiled = rpi_driver::compile_node(input, args.node.as_deref(), claims, false)?;
     print_diagnostics(Format::Human, &compiled.diagnostics, &compiled.sources)?;
     let Some(node) = compiled.node else {
         return Ok(Exit::ErrorsReported);
     };
+    match args.emit {
+        Some(Form::C) => return write_c(&node.net, &compiled.sources, args),
+        Some(Form::Fmu) => return fmu::write_fmu(&node.net, input, &compiled.sources, args),
+        _ => {}
+    }
     let boundary = NodeInterface {
         inputs: &node.inputs,
         outputs: &node.outputs,
@@ -78,23 +93,56 @@ fn show_form(
         Form::Image => emit::image(net, args.period)?,
         Form::Dot => draw::dot(net),
         Form::Mermaid => draw::mermaid(net),
-        Form::C => match emit::c(net, args.period) {
-            Ok(text) => text,
-            Err(diagnostics) => {
-                print_diagnostics(Format::Human, &diagnostics, &compiled.sources)?;
-                return Ok(Exit::ErrorsReported);
-            }
-        },
+        Form::C => return write_c(net, &compiled.sources, args),
         Form::Lustre => {
             let (text, diagnostics) = emit::lustre(net, &NodeInterface::default(), args.period);
             print_diagnostics(Format::Human, &diagnostics, &compiled.sources)?;
             text
         }
-        // These forms were already printed, before the net was built.
-        Form::Tokens | Form::Ast | Form::Typed => String::new(),
+        // These forms were already written.
+        Form::Tokens | Form::Ast | Form::Typed | Form::Fmu => String::new(),
     };
     write_result(&args.file, args.output.as_deref(), text.as_bytes())?;
     Ok(Exit::Success)
+}
+
+/// Writes a net as C: a source file, and a header beside it unless a single file is requested.
+fn write_c(net: &AnalysedNet, sources: &SourceMap, args: &CompileArgs) -> CommandResult {
+    // An output that is itself called a header has all declarations.
+    let is_header = |path: &PathBuf| path.extension().is_some_and(|ending| ending == "h");
+    let header = args.output.as_ref();
+    let header = header.filter(|path| !args.single_file && !is_header(path));
+    let header = header.map(|path| path.with_extension("h"));
+    let include = header.as_deref().and_then(Path::file_name);
+    let options = emit::COptions {
+        header: include.map(|name| name.to_string_lossy().into_owned()),
+        ..c_options(args)
+    };
+    let emitted = emit::c(net, sources, &options)?;
+    if let Some(path) = header {
+        write_result(&args.file, Some(&path), emitted.header.as_bytes())?;
+    }
+    write_result(
+        &args.file,
+        args.output.as_deref(),
+        emitted.source.as_bytes(),
+    )?;
+    Ok(Exit::Success)
+}
+
+/// Returns the options of the translation to C for a single file.
+pub(crate) fn c_options(args: &CompileArgs) -> emit::COptions {
+    let source = args.file.file_name().unwrap_or_default();
+    emit::COptions {
+        period_ns: args.period,
+        header: None,
+        line_directives: args.line_directives,
+        origin: format!(
+            "Compiled from {} by rpic {}.",
+            source.to_string_lossy(),
+            env!("CARGO_PKG_VERSION")
+        ),
+    }
 }
 
 fn write_image(net: &AnalysedNet, input: &Input, args: &CompileArgs) -> CommandResult {
@@ -109,7 +157,7 @@ fn write_image(net: &AnalysedNet, input: &Input, args: &CompileArgs) -> CommandR
 }
 
 /// Returns the path of a source file with the extension `ending` in place of its own.
-fn with_extension(input: &Input, ending: &str) -> PathBuf {
+pub(crate) fn with_extension(input: &Input, ending: &str) -> PathBuf {
     let folder = input.path.parent().unwrap_or(Path::new(""));
     folder.join(format!("{}.{ending}", input.stem()))
 }
@@ -129,7 +177,7 @@ fn select_net<'a>(compiled: &'a Compiled, name: Option<&str>) -> Result<&'a Anal
         }),
         (None, [net]) => Ok(net),
         (None, []) => Err(
-            "no command without parameters; `rpi run FILE --node NAME` runs a node, `--emit lustre --node NAME` writes it as Lustre"
+            "no command without parameters; `rpi run FILE --node NAME` runs a node, `--emit c --node NAME` writes it as C, `--emit lustre --node NAME` as Lustre"
                 .to_owned(),
         ),
         (None, _) => Err(format!(

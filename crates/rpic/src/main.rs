@@ -3,6 +3,7 @@
 //! Exit status: 0 for success, 1 if errors were reported, 2 for wrong usage or a file that cannot be read.
 
 mod args;
+mod c_target;
 mod check;
 mod compile;
 mod coverage;
@@ -10,6 +11,7 @@ mod doc;
 mod explain;
 mod fix;
 mod fmt;
+mod fmu;
 mod lsp;
 mod machine;
 mod new;

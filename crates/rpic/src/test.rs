@@ -6,9 +6,12 @@ use rpi_diag::{Code, Diagnostic, Format, SourceMap, Span, with_noun};
 use rpi_driver::{ClaimPolicy, CompileOptions, Compiled, Input, Test};
 use rpi_image::image::TextRange;
 use rpi_net::{Claim, ClaimKind, Termination};
-use rpi_replay::testing::{ConditionVerdict, TestCase, TestCondition, TestEnd, TestReport, run};
+use rpi_replay::testing::{
+    ConditionVerdict, TestCase, TestCondition, TestEnd, TestReport, run_observed,
+};
 
 use crate::args::TestArgs;
+use crate::c_target::TestInC;
 use crate::check::{DiagnosticSet, print_diagnostics, print_text};
 use crate::coverage::CoverageTotals;
 use crate::outcome::{CommandResult, Exit};
@@ -150,11 +153,14 @@ fn run_file(
             tally.filtered_out += 1;
             continue;
         }
-        let report = report(test, args)?;
-        let passed = report.passed();
+        let (report, difference) = report(test, args)?;
+        let passed = report.passed() && difference.is_none();
         let word = if passed { "ok  " } else { "FAIL" };
         let (title, cycles) = (&test.title, with_noun(report.cycles, "cycle"));
         out.say(&format!("{word} {}: {title} ({cycles})\n", file.display()))?;
+        if let Some(difference) = difference {
+            rpi_diag::println_stderr!("{title}: {difference}");
+        }
         match passed {
             true => tally.passed += 1,
             false => tally.failed += 1,
@@ -167,20 +173,29 @@ fn run_file(
     Ok(seen)
 }
 
-fn report(test: &Test, args: &TestArgs) -> Result<TestReport, String> {
+/// Runs a test. Returns its report, and the first difference of the program in C from the core, if it runs there, too.
+fn report(test: &Test, args: &TestArgs) -> Result<(TestReport, Option<String>), String> {
     let own: Vec<TestCondition> = own_assertions(test).map(condition).collect();
     let others = test.net.claims.iter().filter(|claim| !is_own(claim));
     let others: Vec<Claim> = others.cloned().collect();
-    run(TestCase {
+    let image = rpi_driver::lower_for_observation(&test.net, args.period);
+    let image = image.map_err(|e| e.to_string())?;
+    let in_title = |why: String| format!("{}: {why}", test.title);
+    let in_c = TestInC::start(&image, &args.execution);
+    let mut in_c = in_c.map_err(|why| in_title(why.to_string()))?;
+    let case = TestCase {
         net: &test.net,
         coverage: args.coverage,
-        image: rpi_driver::lower_for_observation(&test.net, args.period)
-            .map_err(|e| e.to_string())?,
+        image,
         conditions: &own,
         claims: &others,
         cycles: args.cycles,
-    })
-    .map_err(|why| format!("{}: {why}", test.title))
+    };
+    let report = run_observed(case, &mut |instance| {
+        in_c.iter_mut().for_each(|in_c| in_c.cycle(instance));
+    });
+    let report = report.map_err(|why| in_title(why.to_string()))?;
+    Ok((report, in_c.and_then(TestInC::difference)))
 }
 
 /// Returns whether a claim is an assertion of the test itself, and not of a node that the test calls.

@@ -232,7 +232,7 @@ fn a_text_that_cannot_be_read_is_not_formatted() {
 fn every_form_can_be_shown() {
     let program = example("first/first.rpi");
     let forms = [
-        "tokens", "ast", "typed", "net", "schedule", "image", "dot", "mermaid", "rpinet",
+        "tokens", "ast", "typed", "net", "schedule", "image", "dot", "mermaid", "rpinet", "c",
     ];
     for form in forms {
         let output = rpic(&["compile", &program, "--emit", form]);
@@ -341,4 +341,23 @@ fn a_file_that_is_not_there_hides_nothing_of_the_others() {
     assert_eq!(output.status.code(), Some(2));
     assert!(err(&output).contains("RPI4001"), "{}", err(&output));
     assert!(err(&output).contains("nowhere.rpi"), "{}", err(&output));
+}
+
+#[test]
+fn a_node_becomes_c_with_a_header_beside_it() {
+    let (dir, program) = file("late.rpi", PROGRAM);
+    let source = dir.path().join("late.c").display().to_string();
+    let output = rpic(&[
+        "compile", &program, "--emit", "c", "--node", "late", "-o", &source,
+    ]);
+    assert!(output.status.success(), "{}", err(&output));
+    let read = |name: &str| std::fs::read_to_string(dir.path().join(name)).unwrap();
+    assert!(read("late.c").contains("#include \"late.h\""));
+    assert!(read("late.h").contains("int32_t late_step(late_state *s"));
+    let output = rpic(&["compile", &program, "--emit", "c", "--function", "late"]);
+    assert!(
+        out(&output).contains("typedef struct late_in"),
+        "{}",
+        err(&output)
+    );
 }

@@ -12,7 +12,6 @@ fn tests_say_what_stands_beside_them() {
 
 #[test]
 fn forms_that_leave_something_out_say_so() {
-    compare("emitting", &["compile", "--emit", "c"], ".rpinet");
     compare("emitting", &["compile", "--emit", "rpinet"], ".rpi");
     compare("emitting_lustre", &["compile", "--emit", "lustre"], ".rpi");
 }

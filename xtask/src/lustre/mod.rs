@@ -3,7 +3,8 @@
 //! The programs are not part of the repository. With traces, each program must give the traced outputs. With
 //! `--reject`, each must be rejected; with a table after `--kinds`, each with the listed error codes. With a list after
 //! `--excluded`, each must be accepted and satisfy its contracts, or be in the list with the reason why it does not.
-//! Without any of these options, each must run. The tools run as users run them, one process per program.
+//! Without any of these options, each must run. The tools run as users run them, one process per program. With `--cc`, each
+//! program that runs also runs in C, and every value must have the same bits.
 //!
 //! | file | content |
 //! |---|---|
@@ -32,7 +33,7 @@ use tool::Tools;
 pub(crate) fn corpus(args: &[String]) -> Result<(), TaskError> {
     let options = Options::parse(args)?;
     let cases = cases::cases(&options)?;
-    let tools = Tools::build()?;
+    let tools = Tools::build(options.compiler.as_deref())?;
     let report = Report::new(judge_all(cases, &tools), &options)?;
     print!("{}", report.print(options.list));
     match report.is_good() {

@@ -34,11 +34,13 @@ pub(crate) struct Options {
     pub(crate) list: bool,
     /// Text that the names of the selected programs must contain; `None` for all programs.
     pub(crate) filter: Option<String>,
+    /// C compiler with its options, if the programs also run in C; every value must have the same bits.
+    pub(crate) compiler: Option<String>,
 }
 
 const USAGE: &str =
     "usage: cargo xtask lustre-corpus --programs DIR [--traces FILE.json | --reject | --kinds FILE.json | --excluded FILE.json]
-    [--groups FILE.json] [--only TEXT] [--list]";
+    [--groups FILE.json] [--only TEXT] [--list] [--cc COMMAND]";
 
 impl Options {
     pub(crate) fn parse(args: &[String]) -> Result<Options, TaskError> {
@@ -49,6 +51,7 @@ impl Options {
             groups: None,
             list: false,
             filter: None,
+            compiler: None,
         };
         let mut args = args.iter();
         while let Some(arg) = args.next() {
@@ -61,6 +64,7 @@ impl Options {
                 "--excluded" => options.expectation = Expectation::Contracts(value()?.into()),
                 "--groups" => options.groups = Some(value()?.into()),
                 "--only" => options.filter = Some(value()?.clone()),
+                "--cc" => options.compiler = Some(value()?.clone()),
                 "--list" => options.list = true,
                 _ => return Err(USAGE.into()),
             }

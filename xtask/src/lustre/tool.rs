@@ -13,6 +13,8 @@ const TIMEOUT: Duration = Duration::from_secs(60);
 /// The tools `rpi` and `rpic`, built for testing a corpus of programs.
 pub(crate) struct Tools {
     folder: PathBuf,
+    /// Options that follow those of each run of a program.
+    run_options: Vec<String>,
 }
 
 /// Exit status and output of a run of a tool.
@@ -24,8 +26,9 @@ pub(crate) struct ToolOutput {
 }
 
 impl Tools {
-    /// Builds `rpi` and `rpic` with the build profile of this program (release or debug).
-    pub(crate) fn build() -> Result<Tools, TaskError> {
+    /// Builds `rpi` and `rpic` with the build profile of this program (release or debug). With a C compiler, programs also
+    /// run in C.
+    pub(crate) fn build(compiler: Option<&str>) -> Result<Tools, TaskError> {
         let cargo = std::env::var("CARGO").unwrap_or_else(|_| "cargo".to_owned());
         let args = [
             "build",
@@ -45,6 +48,9 @@ impl Tools {
         let folder = me.parent().map(Path::to_owned);
         Ok(Tools {
             folder: folder.ok_or("cannot locate the tools")?,
+            run_options: compiler.map_or_else(Vec::new, |command| {
+                ["--target", "c", "--cc", command].map(str::to_owned).into()
+            }),
         })
     }
 
@@ -62,6 +68,11 @@ impl Tools {
         let (out, err) = (tempfile::tempfile()?, tempfile::tempfile()?);
         let mut child = Command::new(self.folder.join(tool))
             .args(args)
+            .args(
+                self.run_options
+                    .iter()
+                    .filter(|_| args.first() == Some(&"run")),
+            )
             .env("NO_COLOR", "1")
             .stdin(Stdio::null())
             .stdout(out.try_clone()?)

@@ -10,6 +10,17 @@ const EDGES: &[(&str, &[&str])] = &[
     ("rpi-device", &["rpi-image"]),
     ("rpi-prims", &["rpi-device", "rpi-image", "rpi-kin"]),
     ("rpi-core", &["rpi-device", "rpi-image", "rpi-prims"]),
+    ("rpi-codegen", &["rpi-image", "rpi-prims"]),
+    (
+        "rpi-c-target",
+        &[
+            "rpi-codegen",
+            "rpi-core",
+            "rpi-device",
+            "rpi-image",
+            "rpi-prims",
+        ],
+    ),
     ("rpi-kin", &[]),
     ("rpi-motion", &["rpi-kin"]),
     (
@@ -48,6 +59,7 @@ const EDGES: &[(&str, &[&str])] = &[
     (
         "rpi-driver",
         &[
+            "rpi-codegen",
             "rpi-diag",
             "rpi-files",
             "rpi-image",
@@ -141,7 +153,9 @@ const EDGES: &[(&str, &[&str])] = &[
     (
         "rpic",
         &[
+            "rpi-c-target",
             "rpi-cli",
+            "rpi-core",
             "rpi-diag",
             "rpi-doc",
             "rpi-driver",
@@ -157,6 +171,7 @@ const EDGES: &[(&str, &[&str])] = &[
     (
         "rpi",
         &[
+            "rpi-c-target",
             "rpi-cli",
             "rpi-client",
             "rpi-core",
@@ -188,6 +203,7 @@ const EDGES: &[(&str, &[&str])] = &[
     (
         "rpi-bench",
         &[
+            "rpi-codegen",
             "rpi-core",
             "rpi-device",
             "rpi-diag",
@@ -240,6 +256,7 @@ const NO_STD: &[&str] = &[
 
 /// Crates of the compiler, which the real-time crates must not depend on.
 const COMPILER: &[&str] = &[
+    "rpi-codegen",
     "rpi-diag",
     "rpi-doc",
     "rpi-driver",

@@ -30,7 +30,7 @@ pub(super) fn write(
     } else {
         image.debug.step_locations.clear();
     }
-    origins(flat, layouts, &mut places, image);
+    origins(flat, layouts, &mut places, options, image);
     image.debug.locations = places.places;
 }
 
@@ -83,17 +83,19 @@ fn probes(net: &Net, flat: &FlatNet, layouts: &MemoryLayout, image: &mut Image) 
     }
 }
 
-/// Adds to the image, for every operation and sensor that may raise a fault, the source location of its node under the
+/// Adds to the image, for every operation and sensor that may raise a fault (or for all), the source location of its node under the
 /// first memory slot that it writes.
 fn origins(
     flat: &FlatNet,
     layouts: &MemoryLayout,
     places: &mut LocationTable<'_>,
+    options: &LowerOptions<'_>,
     image: &mut Image,
 ) {
     let mut found = BTreeMap::new();
     for op in flat.ops.iter().filter(|op| op.node != NO_NODE) {
-        if let Some(slot) = fault_slot(flat, *op) {
+        let first_write = || flat.writes(*op).next().filter(|_| options.locates_all);
+        if let Some(slot) = fault_slot(flat, *op).or_else(first_write) {
             found.entry(layouts.slot(slot)).or_insert(op.node);
         }
     }

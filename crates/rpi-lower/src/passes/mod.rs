@@ -87,10 +87,3 @@ pub(crate) fn run(flat: &mut FlatNet, clock: CycleTime, mut check: impl FnMut(&F
         check(flat, pass);
     }
 }
-
-/// Runs only the passes that leave each primitive and its place recognisable, for generated C code: all before the
-/// fusion of primitives.
-pub(crate) fn run_readable(flat: &mut FlatNet, clock: CycleTime) {
-    let all = PASSES.iter().take_while(|p| p.name != "fuse");
-    all.for_each(|p| (p.run)(flat, clock));
-}

@@ -33,6 +33,22 @@ primitive! {
     }
     out { outVel: Twist; outCompleted: bool }
     presence strict work 150;
+    c Code(r"
+double inverse[7];
+double left[7];
+double abc[3];
+rpi_pose_inverse(inPos, inverse);
+rpi_pose_compose(inverse, inDest, left);
+rpi_to_abc(left + 3, abc);
+outVel[0] = rpi_limited(pX * left[0], velX);
+outVel[1] = rpi_limited(pY * left[1], velY);
+outVel[2] = 0.0;
+outVel[3] = 0.0;
+outVel[4] = 0.0;
+outVel[5] = rpi_limited(pYaw * abc[0], velYaw);
+*outCompleted = rpi_norm(inVel) < 1e-3 && rpi_norm(inVel + 3) < 1e-3 && rpi_abs(left[0]) < 1e-3 &&
+                rpi_abs(left[1]) < 1e-3 && rpi_abs(abc[0]) < 1e-3;
+");
     full |_, _, _, (vx, vy, vyaw, px, py, pyaw), (position, velocity, goal): (Pose, Twist, Pose)| {
         let left = position.inverse() * goal;
         let (x, y, yaw) = (left.translation.x, left.translation.y, geometry::to_abc(left.rotation).0);
@@ -53,6 +69,13 @@ primitive! {
     param { VelX: f64 = Real(0.5); VelYaw: f64 = Real(1.0); PX: f64 = Real(3.0); PYaw: f64 = Real(3.0) }
     out { outTwist: Twist }
     presence if_all work 150;
+    c Code(r"
+*outTwist_present = inPosition_present && inGoal_present;
+if (*outTwist_present) {
+  memset(outTwist, 0, 6U * sizeof outTwist[0]);
+  rpi_drive(inPosition, inGoal, VelX, VelYaw, PX, PYaw, outTwist, outTwist + 5);
+}
+");
     full |_, _, _, (vx, vyaw, px, pyaw), (position, _, goal)| {
         let way = position.zip(goal).map(|(position, goal)| planar_error(position, goal));
         (way.map(|way| differential(way, (vx, vyaw), (px, pyaw))),)

@@ -16,6 +16,15 @@ primitive! {
     param { amountBits: i64 = Int(8); signBit: bool = Bool(false) }
     out { outValue: i64 }
     presence strict work 64;
+    c Code(r"
+const int32_t count = rpi_digit_count(amountBits, inArray_len);
+const int64_t value = rpi_number(inArray, count);
+if (signBit && count > 0 && inArray[count - 1]) {
+  *outValue = rpi_integer((uint64_t)value - (UINT64_C(1) << count));
+} else {
+  *outValue = value;
+}
+");
     full |cx, _, _, (bits, signed), (array,)| {
         let bits = width(array, bits);
         let value = number(cx.slots, array, 0, bits);
@@ -33,6 +42,20 @@ primitive! {
     out { outArray: Array<bool>; overflowBit: bool }
     shape ShapeRule::FromParam("amountBits");
     presence strict work 64;
+    c Code(r"
+const int32_t count = outArray_len < 63 ? outArray_len : 63;
+int32_t k;
+for (k = 0; k < outArray_len; k += 1) {
+  outArray[k] = (rpi_shift_right(inValue, k, -64) & 1) != 0;
+}
+if (count > 62) {
+  *overflowBit = true;
+} else {
+  const int64_t beyond = (INT64_C(1) << count) >> (signBit ? 1 : 0);
+  const int64_t least = signBit ? -beyond : 0;
+  *overflowBit = inValue < least || inValue >= beyond;
+}
+");
     mixed |cx, _, (_, signed), (value,), (array, _)| {
         let bits = array.len().min(63);
         for k in 0..array.len() {
@@ -51,6 +74,12 @@ primitive! {
     param { amountBits: i64 = Int(16); signBit: bool = Bool(true) }
     out { outValue: i64 }
     presence strict work 64 faults;
+    c Code(r"
+const int32_t count = rpi_digit_count(amountBits, inArray_len);
+const int32_t digits = signBit && count > 0 ? count - 1 : count;
+const int64_t value = rpi_decimal(cx, at, inArray, digits);
+*outValue = digits < count && inArray[digits] ? -value : value;
+");
     full |cx, place, _, (bits, signed), (array,)| {
         let bits = width(array, bits);
         let digits = bits - usize::from(signed && bits > 0);
@@ -69,6 +98,7 @@ primitive! {
     out { outArray: Array<bool>; overflowBit: bool }
     shape ShapeRule::FromParam("amountBits");
     presence strict work 64;
+    c Code("*overflowBit = rpi_to_decimal(inValue, signBit, outArray, outArray_len);");
     mixed |cx, _, (_, signed), (value,), (array, _)| {
         let digits = array.len() - usize::from(signed && !array.is_empty());
         let mut rest = value.unsigned_abs();

@@ -15,6 +15,10 @@ primitive! {
     out { outValue: f64 }
     state { f64 }
     presence strict work 2;
+    c Code(r"
+*s0 = (inReset ? 0.0 : *s0) + inIncrement * rpi_dt;
+*outValue = *s0;
+");
     full |cx, _, (time,), (), (reset, increment)| {
         *time = if reset { 0.0 } else { *time } + increment * cx.time.dt;
         (*time,)
@@ -55,6 +59,11 @@ primitive! {
     in { inEStop: bool }
     out {}
     presence strict work 1 faults;
+    c Code(r"
+if (inEStop) {
+  rpi_fault(cx, RPI_EMERGENCY_STOP, at);
+}
+");
     full |cx, place, _, _, (stop,)| {
         if stop {
             cx.fault(FaultCode::EmergencyStop, place);

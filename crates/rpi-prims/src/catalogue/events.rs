@@ -18,6 +18,11 @@ primitive! {
     out { outValue: bool }
     state { bool }
     presence strict work 2;
+    c Code(r"
+const bool is_there = inValue == Direction;
+*outValue = is_there && !*s0;
+*s0 = is_there;
+");
     full |_, _, (there,), (direction,), (value,)| {
         let (was_there, is_there) = (*there, value == direction);
         *there = is_there;
@@ -33,6 +38,17 @@ primitive! {
     out { outActive: bool }
     state { bool, bool }
     presence always work 3;
+    c Code(r"
+const bool is_off = inOff_present && inOff;
+if (inReset_present && inReset) {
+  *s0 = false;
+  *s1 = false;
+}
+*s0 = !*s1 && !is_off && (*s0 || (inOn_present && inOn));
+*s1 = *s1 || is_off;
+*outActive = *s0;
+*outActive_present = true;
+");
     full |_, _, (active, done), (), (on, off, reset)| {
         if reset == Some(true) {
             (*active, *done) = (false, false);
@@ -54,6 +70,12 @@ primitive! {
     out { outNone: bool; outAll: bool; outCount: i64 }
     ring { last_n }
     presence strict work 4;
+    c Code(r"
+int64_t capacity;
+*outCount = rpi_count(ring, ring_len, inValue, inReset, &capacity);
+*outNone = *outCount == 0;
+*outAll = *outCount == capacity;
+");
     full |cx, _, history, _, (value, reset)| {
         let (count, of) = trues(cx, *history, value, reset);
         (count == 0, count == of, count)
@@ -70,6 +92,13 @@ primitive! {
     out { outNone: bool; outAll: bool; outAmount: f64 }
     ring { last_seconds }
     presence strict work 4;
+    c Code(r"
+int64_t capacity;
+const int64_t count = rpi_count(ring, ring_len, inValue, inReset, &capacity);
+*outNone = count == 0;
+*outAll = count == capacity;
+*outAmount = (double)count / (double)capacity;
+");
     full |cx, _, history, _, (value, reset)| {
         let (count, of) = trues(cx, *history, value, reset);
         (count == 0, count == of, count as f64 / of as f64)

@@ -23,6 +23,10 @@ primitive! {
     in { inPos: Vector = [super::spatial_fallbacks::XYZ]; inRot: Rotation = [super::spatial_fallbacks::ABC] }
     out { outValue: Pose }
     presence strict work 7;
+    c Code(r"
+memcpy(outValue, inPos, 3U * sizeof outValue[0]);
+memcpy(outValue + 3, inRot, 4U * sizeof outValue[0]);
+");
     pure |(position, rotation)| (pose(position, rotation),)
 }
 
@@ -37,6 +41,12 @@ primitive! {
     }
     out { outValue: Pose }
     presence strict work 7;
+    c Code(r"
+outValue[0] = inX;
+outValue[1] = inY;
+outValue[2] = inZ;
+memcpy(outValue + 3, inRot, 4U * sizeof outValue[0]);
+");
     pure |(x, y, z, rotation)| (pose(Vector::new(x, y, z), rotation),)
 }
 
@@ -46,6 +56,10 @@ primitive! {
     in { inValue: Pose }
     out { outPosition: Vector; outRotation: Rotation }
     presence strict work 7;
+    c Code(r"
+memcpy(outPosition, inValue, 3U * sizeof outPosition[0]);
+memcpy(outRotation, inValue + 3, 4U * sizeof outRotation[0]);
+");
     pure |(p,): (Pose,)| (p.translation.vector, p.rotation)
 }
 
@@ -55,6 +69,12 @@ primitive! {
     in { inValue: Pose }
     out { outX: f64; outY: f64; outZ: f64; outRot: Rotation }
     presence strict work 7;
+    c Code(r"
+*outX = inValue[0];
+*outY = inValue[1];
+*outZ = inValue[2];
+memcpy(outRot, inValue + 3, 4U * sizeof outRot[0]);
+");
     pure |(p,): (Pose,)| (p.translation.x, p.translation.y, p.translation.z, p.rotation)
 }
 
@@ -64,6 +84,7 @@ primitive! {
     in { inValue: Pose }
     out { outValue: Pose }
     presence strict work 25;
+    c Code("rpi_pose_inverse(inValue, outValue);");
     pure |(p,): (Pose,)| (p.inverse(),)
 }
 
@@ -73,6 +94,7 @@ primitive! {
     in { inFirst: Pose; inSecond: Pose }
     out { outValue: Pose }
     presence strict work 50;
+    c Code("rpi_pose_compose(inFirst, inSecond, outValue);");
     pure |(a, b): (Pose, Pose)| (a * b,)
 }
 
@@ -83,6 +105,12 @@ primitive! {
     in { inFrom: Pose; inTo: Pose; inAmount: f64 }
     out { outValue: Pose }
     presence strict work 150;
+    c Code(r"
+double way[3];
+rpi_difference(inTo, inFrom, 3, way);
+rpi_add_scaled(inFrom, way, inAmount, 3, outValue);
+rpi_interpolate_rotation(inFrom + 3, inTo + 3, inAmount, outValue + 3);
+");
     pure |(from, to, amount)| (interpolate(from, to, amount),)
 }
 
@@ -93,6 +121,7 @@ primitive! {
     in { inFrame: Pose; inTwist: Twist }
     out { outValue: Pose }
     presence strict work 90;
+    c Code("rpi_integrate_pose(inFrame, inTwist, rpi_dt, outValue);");
     full |cx, _, _, _, (frame, twist)| (integrate(frame, twist, cx.time.dt),)
 }
 

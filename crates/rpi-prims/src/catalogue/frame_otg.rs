@@ -27,6 +27,20 @@ primitive! {
     }
     out { outPos: Pose; outVel: Twist }
     presence if_all work 300;
+    c Code(r"
+const bool is_present = inCurPos_present && inDestPos_present && inMaxTransVel_present && inMaxTransAcc_present &&
+                        inMaxRotVel_present && inMaxRotAcc_present;
+if (is_present) {
+  static const double rest[6] = {0.0, 0.0, 0.0, 0.0, 0.0, 0.0};
+  const double velocity[2] = {inMaxTransVel, inMaxRotVel};
+  const double acceleration[2] = {inMaxTransAcc, inMaxRotAcc};
+  rpi_approach(inCurPos, inCurVel_present ? inCurVel : rest, inDestPos, inDestVel_present ? inDestVel : rest, velocity,
+               acceleration, rpi_dt, outVel);
+  rpi_integrate_pose(inCurPos, outVel, rpi_dt, outPos);
+}
+*outPos_present = is_present;
+*outVel_present = is_present;
+");
     full |cx, _, _, _, (from, velocity, to, goal_velocity, v, a, w, alpha)| {
         let (Some(from), Some(to), Some(v), Some(a), Some(w), Some(alpha)) = (from, to, v, a, w, alpha) else {
             return (None, None);

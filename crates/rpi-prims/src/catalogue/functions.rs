@@ -11,6 +11,7 @@ primitive! {
     in { inValue: f64 = Value(Real(1.0)) }
     out { outValue: f64 }
     presence strict work 20;
+    c Value("rpi_sin(inValue)");
     pure |(x,)| (libm::sin(x),)
 }
 
@@ -20,6 +21,7 @@ primitive! {
     in { inValue: f64 = Value(Real(1.0)) }
     out { outValue: f64 }
     presence strict work 20;
+    c Value("rpi_cos(inValue)");
     pure |(x,)| (libm::cos(x),)
 }
 
@@ -29,6 +31,7 @@ primitive! {
     in { inValue: f64 = Value(Real(1.0)) }
     out { outValue: f64 }
     presence strict work 25;
+    c Value("rpi_tan(inValue)");
     pure |(x,)| (libm::tan(x),)
 }
 
@@ -38,6 +41,7 @@ primitive! {
     in { inValue: f64 = Value(Real(1.0)) }
     out { outValue: f64 }
     presence strict work 20;
+    c Value("rpi_asin(inValue)");
     pure |(x,)| (libm::asin(x),)
 }
 
@@ -47,6 +51,7 @@ primitive! {
     in { inValue: f64 = Value(Real(1.0)) }
     out { outValue: f64 }
     presence strict work 20;
+    c Value("rpi_acos(inValue)");
     pure |(x,)| (libm::acos(x),)
 }
 
@@ -56,6 +61,7 @@ primitive! {
     in { inY: f64 = Y(Real(1.0)); inX: f64 = X(Real(1.0)) }
     out { outValue: f64 }
     presence strict work 30;
+    c Value("rpi_atan2(inY, inX)");
     pure |(y, x)| (libm::atan2(y, x),)
 }
 
@@ -65,6 +71,7 @@ primitive! {
     in { inFirst: f64 = First(Real(0.0)); inSecond: f64 = Second(Real(0.0)) }
     out { outValue: f64 }
     presence strict work 60;
+    c Value("rpi_pow(inFirst, inSecond)");
     pure |(a, b)| (libm::pow(a, b),)
 }
 
@@ -74,6 +81,7 @@ primitive! {
     in { inValue: f64 = Value(Real(1.0)) }
     out { outValue: f64 }
     presence strict work 5;
+    c Value("rpi_sqrt(inValue)");
     pure |(x,)| (libm::sqrt(x),)
 }
 
@@ -83,5 +91,6 @@ primitive! {
     in { inValue: f64 = Value(Real(0.0)) }
     out { outValue: f64 }
     presence strict work 20;
+    c Value("rpi_log(inValue)");
     pure |(x,)| (libm::log(x),)
 }

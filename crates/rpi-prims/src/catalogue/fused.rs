@@ -21,6 +21,7 @@ primitive! {
     in { inFirst: f64; inSecond: f64; inThird: f64 }
     out { outValue: f64 }
     presence strict work 2;
+    c Value("inFirst * inSecond + inThird");
     pure |(a, b, c)| (a * b + c,)
 }
 
@@ -30,6 +31,7 @@ primitive! {
     in { inFirst: f64; inSecond: f64; inThird: f64 }
     out { outValue: f64 }
     presence strict work 2;
+    c Value("inFirst + inSecond * inThird");
     pure |(a, b, c)| (a + b * c,)
 }
 
@@ -39,6 +41,7 @@ primitive! {
     in { inFirst: f64; inSecond: f64; inThird: f64 }
     out { outValue: f64 }
     presence strict work 2;
+    c Value("inFirst * inSecond - inThird");
     pure |(a, b, c)| (a * b - c,)
 }
 
@@ -48,6 +51,7 @@ primitive! {
     in { inFirst: f64; inSecond: f64; inThird: f64 }
     out { outValue: f64 }
     presence strict work 2;
+    c Value("inFirst - inSecond * inThird");
     pure |(a, b, c)| (a - b * c,)
 }
 
@@ -57,6 +61,7 @@ primitive! {
     in { inFirst: f64; inSecond: f64; inThird: f64 }
     out { outValue: f64 }
     presence strict work 2;
+    c Value("(inFirst + inSecond) * inThird");
     pure |(a, b, c)| ((a + b) * c,)
 }
 
@@ -66,6 +71,7 @@ primitive! {
     in { inFirst: f64; inSecond: f64; inThird: f64 }
     out { outValue: f64 }
     presence strict work 2;
+    c Value("inFirst * (inSecond + inThird)");
     pure |(a, b, c)| (a * (b + c),)
 }
 
@@ -75,5 +81,6 @@ primitive! {
     in { inFirst: f64; inSecond: f64; inThird: f64; inFourth: f64 }
     out { outValue: f64 }
     presence strict work 2;
+    c Value("inFirst > inSecond ? inThird : inFourth");
     pure |(a, b, c, d)| (if a > b { c } else { d },)
 }

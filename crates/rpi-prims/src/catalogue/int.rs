@@ -20,6 +20,7 @@ primitive! {
     in { inFirst: i64 = First(Int(0)); inSecond: i64 = Second(Int(0)) }
     out { outValue: i64 }
     presence strict work 1 faults;
+    c Value("rpi_int_add(cx, at, inFirst, inSecond)");
     full |cx, place, _, _, (a, b)| (or_overflow_fault(cx, place, a.checked_add(b)),)
 }
 
@@ -29,6 +30,7 @@ primitive! {
     in { inFirst: i64 = First(Int(0)); inSecond: i64 = Second(Int(0)) }
     out { outValue: i64 }
     presence strict work 1 faults;
+    c Value("rpi_int_multiply(cx, at, inFirst, inSecond)");
     full |cx, place, _, _, (a, b)| (or_overflow_fault(cx, place, a.checked_mul(b)),)
 }
 
@@ -38,6 +40,7 @@ primitive! {
     in { inFirst: i64 = First(Int(0)); inSecond: i64 = Second(Int(0)) }
     out { outValue: i64 }
     presence strict work 10 faults;
+    c Value("rpi_int_divide(cx, at, inFirst, inSecond)");
     full |cx, place, _, _, (a, b)| (or_division_fault(cx, place, b, a.checked_div(b)),)
 }
 
@@ -48,6 +51,7 @@ primitive! {
     param { Epsilon: i64 = Int(0) }
     out { outValue: bool }
     presence strict work 1;
+    c Value("rpi_int_near(inFirst, inSecond, Epsilon)");
     full |_, _, _, (epsilon,), (a, b)| (u64::try_from(epsilon).is_ok_and(|e| a.abs_diff(b) <= e),)
 }
 
@@ -57,6 +61,7 @@ primitive! {
     in { inFirst: i64 = First(Int(0)); inSecond: i64 = Second(Int(0)) }
     out { outValue: bool }
     presence strict work 1;
+    c Value("inFirst > inSecond");
     pure |(a, b)| (a > b,)
 }
 
@@ -66,6 +71,7 @@ primitive! {
     in { inValue: i64 = Value(Int(1)) }
     out { outValue: f64 }
     presence strict work 1;
+    c Value("(double)inValue");
     pure |(a,)| (a as f64,)
 }
 
@@ -76,6 +82,7 @@ primitive! {
     in { inValue: f64 = Value(Real(1.0)) }
     out { outValue: i64 }
     presence strict work 1 faults;
+    c Value("rpi_int_from_real(cx, at, inValue)");
     full |cx, place, _, _, (a,)| (truncate_or_fault(cx, place, a),)
 }
 

@@ -13,6 +13,19 @@ primitive! {
     in { inValue: f64; inMin: f64 = Min(Real(0.0)); inMax: f64 = Max(Real(1000.0)) }
     out { outActive: bool; outValue: f64 }
     presence strict work 6;
+    c Code(r"
+const double most = inMax == inMin ? inMin + 1.0 : inMax;
+if (inValue < inMin) {
+  *outActive = false;
+  *outValue = 0.0;
+} else if (inValue > most) {
+  *outActive = false;
+  *outValue = 1.0;
+} else {
+  *outActive = true;
+  *outValue = (inValue - inMin) / (most - inMin);
+}
+");
     pure |(x, min, max)| relative_position(x, min, max)
 }
 
@@ -22,6 +35,7 @@ primitive! {
     in { inFrom: f64 = From(Real(0.0)); inTo: f64 = To(Real(0.0)); inAmount: f64 }
     out { outValue: f64 }
     presence strict work 3;
+    c Value("inFrom + (inTo - inFrom) * inAmount");
     pure |(from, to, amount)| (from + (to - from) * amount,)
 }
 
@@ -33,6 +47,7 @@ primitive! {
     param { Constant: f64 = Real(0.5) }
     out { outValue: f64 }
     presence strict work 10;
+    c Value("rpi_ramp(inValue, Constant)");
     full |_, _, _, (constant,), (time,)| (ramp(time, constant),)
 }
 
@@ -49,6 +64,7 @@ primitive! {
     }
     out { outValue: f64 }
     presence strict work 16;
+    c Value("rpi_bezier(inValue, inFrom, inFrom + inFromVel / 3.0, inTo - inToVel / 3.0, inTo)");
     pure |(t, from, from_vel, to_vel, to)| (bezier(t, from, from + from_vel / 3.0, to - to_vel / 3.0, to),)
 }
 
@@ -64,6 +80,7 @@ primitive! {
     }
     out { outValue: f64 }
     presence strict work 14;
+    c Value("rpi_bezier(inValue, inFrom, inControl1, inControl2, inTo)");
     pure |(t, from, control1, control2, to)| (bezier(t, from, control1, control2, to),)
 }
 

@@ -12,6 +12,13 @@ primitive! {
     in { inFirst: bool = First(Bool(true)); inSecond: bool = Second(Bool(true)) }
     out { outValue: bool }
     presence if_all work 1;
+    c Both("inFirst && inSecond", r"
+const bool is_false = (inFirst_present && !inFirst) || (inSecond_present && !inSecond);
+*outValue_present = is_false || (inFirst_present && inSecond_present);
+if (*outValue_present) {
+  *outValue = !is_false;
+}
+");
     pure |(a, b)| (match (a, b) {
         (Some(false), _) | (_, Some(false)) => Some(false),
         (Some(true), Some(true)) => Some(true),
@@ -26,6 +33,13 @@ primitive! {
     in { inFirst: bool = First(Bool(false)); inSecond: bool = Second(Bool(false)) }
     out { outValue: bool }
     presence if_all work 1;
+    c Both("inFirst || inSecond", r"
+const bool is_true = (inFirst_present && inFirst) || (inSecond_present && inSecond);
+*outValue_present = is_true || (inFirst_present && inSecond_present);
+if (*outValue_present) {
+  *outValue = is_true;
+}
+");
     pure |(a, b)| (match (a, b) {
         (Some(true), _) | (_, Some(true)) => Some(true),
         (Some(false), Some(false)) => Some(false),
@@ -39,5 +53,6 @@ primitive! {
     in { inValue: bool = Value(Bool(false)) }
     out { outValue: bool }
     presence strict work 1;
+    c Value("!inValue");
     pure |(a,)| (!a,)
 }

@@ -17,6 +17,7 @@ primitive! {
     out { outMatrix: Matrix }
     shape ShapeRule::Computed(|args| Some(Type::Matrix(args.size(0)?, args.size(1)?)));
     presence strict work 36;
+    c Code("memset(outMatrix, 0, sizeof outMatrix[0] * (size_t)outMatrix_rows * (size_t)outMatrix_cols);");
     bulk |cx, _, _, (), (matrix,)| matrix.elements().fill(cx.slots, 0.0)
 }
 
@@ -28,6 +29,12 @@ primitive! {
     out { outValue: f64 }
     shape ShapeRule::Computed(|args| has_element(args, 0, 1).then_some(Type::Scalar(Scalar::Real)));
     presence strict work 1 faults;
+    c Code(r"
+if (Row < 0 || Row >= inMatrix_rows || Col < 0 || Col >= inMatrix_cols) {
+  rpi_fault(cx, RPI_INDEX_OUT_OF_RANGE, at);
+}
+*outValue = rpi_element(inMatrix, inMatrix_rows, inMatrix_cols, Row, Col);
+");
     full |cx, place, _, (row, col), (matrix,)| (element(cx, place, matrix, row, col),)
 }
 
@@ -40,6 +47,14 @@ primitive! {
     out { outMatrix: Matrix }
     shape ShapeRule::Computed(|args| has_element(args, 2, 3).then_some(*args.inputs.first()?)?);
     presence strict work 36 faults;
+    c Code(r"
+memcpy(outMatrix, inMatrix, sizeof outMatrix[0] * (size_t)outMatrix_rows * (size_t)outMatrix_cols);
+if (Row < 0 || Row >= outMatrix_rows || Col < 0 || Col >= outMatrix_cols) {
+  rpi_fault(cx, RPI_INDEX_OUT_OF_RANGE, at);
+} else {
+  outMatrix[Row * outMatrix_cols + Col] = inValue;
+}
+");
     bulk |cx, place, (_, _, row, col), (from, value), (to,)| {
         let copied = to.elements().copy(cx.slots, from.elements(), 0);
         if !(copied && to.set(cx.slots, index(row), index(col), value)) {
@@ -56,6 +71,15 @@ primitive! {
     out { outMatrix: Matrix }
     shape ShapeRule::Computed(|args| args.shape(0).map(|(rows, cols)| Type::Matrix(cols, rows)));
     presence strict work 36;
+    c Code(r"
+int32_t row;
+int32_t col;
+for (row = 0; row < outMatrix_rows; row += 1) {
+  for (col = 0; col < outMatrix_cols; col += 1) {
+    outMatrix[row * outMatrix_cols + col] = inMatrix[col * outMatrix_rows + row];
+  }
+}
+");
     bulk |cx, _, _, (from,), (to,)| to.fill_with(cx.slots, |cells, row, col| from.get_or_zero(cells, col, row))
 }
 
@@ -67,6 +91,7 @@ primitive! {
     out { outMatrix: Matrix }
     shape ShapeRule::Computed(|args| *args.inputs.first()?);
     presence strict work 36;
+    c Code("rpi_scaled(inMatrix, inValue, outMatrix_rows * outMatrix_cols, outMatrix);");
     bulk |cx, _, _, (from, factor), (to,)| {
         to.fill_with(cx.slots, |cells, row, col| from.get_or_zero(cells, row, col) * factor);
     }
@@ -80,6 +105,20 @@ primitive! {
     out { outMatrix: Matrix }
     shape ShapeRule::Computed(product_shape);
     presence strict work 216;
+    c Code(r"
+int32_t row;
+int32_t col;
+for (row = 0; row < outMatrix_rows; row += 1) {
+  for (col = 0; col < outMatrix_cols; col += 1) {
+    double sum = -0.0;
+    int32_t k;
+    for (k = 0; k < inMatrix1_cols; k += 1) {
+      sum += inMatrix1[row * inMatrix1_cols + k] * inMatrix2[k * outMatrix_cols + col];
+    }
+    outMatrix[row * outMatrix_cols + col] = sum;
+  }
+}
+");
     bulk |cx, _, _, (a, b), (to,)| {
         to.fill_with(cx.slots, |cells, row, col| {
             (0..a.cols).map(|k| a.get_or_zero(cells, row, k) * b.get_or_zero(cells, k, col)).sum()
@@ -95,6 +134,17 @@ primitive! {
     out { outValue: Array<f64> }
     shape ShapeRule::Computed(image_shape);
     presence strict work 36;
+    c Code(r"
+int32_t row;
+for (row = 0; row < inMatrix_rows; row += 1) {
+  double sum = -0.0;
+  int32_t k;
+  for (k = 0; k < inMatrix_cols; k += 1) {
+    sum += inMatrix[row * inMatrix_cols + k] * inVector[k];
+  }
+  outValue[row] = sum;
+}
+");
     bulk |cx, _, _, (matrix, vector), (to,)| {
         for row in 0..matrix.rows {
             let sum = (0..matrix.cols).map(|k| {
@@ -116,6 +166,7 @@ primitive! {
     out { outValue: Array<f64> }
     shape ShapeRule::Computed(solution_shape);
     presence strict work 400;
+    c Code("rpi_solve(inMatrix, inResult, inMatrix_rows, outValue);");
     bulk |cx, _, _, (matrix, right), (to,)| linear_solver::solve(cx.slots, matrix, right, to)
 }
 

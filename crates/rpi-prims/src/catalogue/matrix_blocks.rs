@@ -17,6 +17,16 @@ primitive! {
     out { outMatrix: Matrix }
     shape ShapeRule::Computed(block);
     presence strict work 36;
+    c Code(r"
+int32_t row;
+int32_t col;
+for (row = 0; row < outMatrix_rows; row += 1) {
+  for (col = 0; col < outMatrix_cols; col += 1) {
+    outMatrix[row * outMatrix_cols + col] =
+        rpi_element(inMatrix, inMatrix_rows, inMatrix_cols, StartRow + row, StartCol + col);
+  }
+}
+");
     bulk |cx, _, (start_row, start_col, _, _), (from,), (to,)| {
         let (top, left) = (index(start_row), index(start_col));
         to.fill_with(cx.slots, |cells, row, col| from.get_or_zero(cells, top + row, left + col));
@@ -39,6 +49,16 @@ primitive! {
     out { outMatrix: Matrix }
     shape ShapeRule::Computed(with_block);
     presence strict work 36;
+    c Code(r"
+int32_t row;
+int32_t col;
+memcpy(outMatrix, inMatrix, sizeof outMatrix[0] * (size_t)outMatrix_rows * (size_t)outMatrix_cols);
+for (row = 0; row < inBlock_rows; row += 1) {
+  for (col = 0; col < inBlock_cols; col += 1) {
+    outMatrix[(StartRow + row) * outMatrix_cols + StartCol + col] = inBlock[row * inBlock_cols + col];
+  }
+}
+");
     bulk |cx, _, (_, _, start_row, start_col, _, _), (from, block), (to,)| {
         to.elements().copy(cx.slots, from.elements(), 0);
         let (top, left) = (index(start_row), index(start_col));
@@ -58,6 +78,13 @@ primitive! {
     out { outArray: Array<f64> }
     shape ShapeRule::Computed(row_by_row);
     presence strict work 16;
+    c Code(r"
+const int64_t width = BlockWidth > 1 ? BlockWidth : 1;
+int32_t k;
+for (k = 0; k < outArray_len; k += 1) {
+  outArray[k] = rpi_element(inMatrix, inMatrix_rows, inMatrix_cols, StartRow + k / width, StartCol + k % width);
+}
+");
     bulk |cx, _, (start_row, start_col, width, _), (from,), (to,)| {
         for k in 0..to.len() {
             let (row, col) = block_index(k, start_row, start_col, width);
@@ -82,6 +109,14 @@ primitive! {
     out { outMatrix: Matrix }
     shape ShapeRule::Computed(with_array);
     presence strict work 36;
+    c Code(r"
+const int64_t width = BlockWidth > 1 ? BlockWidth : 1;
+int32_t k;
+memcpy(outMatrix, inMatrix, sizeof outMatrix[0] * (size_t)outMatrix_rows * (size_t)outMatrix_cols);
+for (k = 0; k < inArray_len; k += 1) {
+  outMatrix[(StartRow + k / width) * outMatrix_cols + StartCol + k % width] = inArray[k];
+}
+");
     bulk |cx, _, (_, _, start_row, start_col, width), (from, array), (to,)| {
         to.elements().copy(cx.slots, from.elements(), 0);
         for k in 0..array.len() {
@@ -106,6 +141,17 @@ primitive! {
     out { outMatrix: Matrix }
     shape ShapeRule::Computed(selection);
     presence strict work 36;
+    c Code(r"
+int32_t row;
+int32_t col;
+for (row = 0; row < outMatrix_rows; row += 1) {
+  for (col = 0; col < outMatrix_cols; col += 1) {
+    outMatrix[row * outMatrix_cols + col] =
+        rpi_element(inMatrix, inMatrix_rows, inMatrix_cols, rpi_selected(SelectedRows, SelectedRows_len, row),
+                    rpi_selected(SelectedCols, SelectedCols_len, col));
+  }
+}
+");
     bulk |cx, _, (_, _, rows, cols), (from,), (to,)| {
         to.fill_with(cx.slots, |cells, row, col| from.get_or_zero(cells, nth_index(cells, rows, row), nth_index(cells, cols, col)));
     }

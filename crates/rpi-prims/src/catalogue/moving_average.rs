@@ -19,6 +19,7 @@ primitive! {
     out { outValue: f64 }
     ring { cells::<f64> }
     presence strict work 8;
+    c Code("rpi_mean(ring, ring_len, 1U, &inValue, inReset, outValue);");
     full |cx, _, history, _, (value, reset)| {
         let (sum, seen) = sum(cx, *history, value, reset);
         (sum / seen,)
@@ -34,6 +35,7 @@ primitive! {
     out { outValue: Vector }
     ring { cells::<Vector> }
     presence strict work 16;
+    c Code("rpi_mean(ring, ring_len, 3U, inValue, inReset, outValue);");
     full |cx, _, history, _, (value, reset)| {
         let (sum, seen) = sum(cx, *history, value, reset);
         (sum / seen,)

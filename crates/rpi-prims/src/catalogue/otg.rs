@@ -29,6 +29,21 @@ primitive! {
     out { outPos: f64; outVel: f64; outAcc: f64 }
     state { bool, f64, f64 }
     presence if_all work 60;
+    c Code(r"
+const bool is_present = inDestPos_present && inMaxVel_present && inMaxAcc_present;
+if (is_present) {
+  const double position = inCurPos_present ? inCurPos : *s2;
+  const double derived = *s0 ? (position - *s1) / rpi_dt : 0.0;
+  rpi_otg(position, inCurVel_present ? inCurVel : derived, inDestPos, inDestVel_present ? inDestVel : 0.0, inMaxVel,
+          inMaxAcc, rpi_dt, outPos, outVel, outAcc);
+  *s0 = true;
+  *s1 = position;
+  *s2 = *outPos;
+}
+*outPos_present = is_present;
+*outVel_present = is_present;
+*outAcc_present = is_present;
+");
     full |cx, _, (known, started, ended), (), (position, velocity, _, goal, goal_velocity, max_velocity, max_acceleration)| {
         let (Some(goal), Some(max_velocity), Some(max_acceleration)) = (goal, max_velocity, max_acceleration) else {
             return (None, None, None);
@@ -59,6 +74,12 @@ primitive! {
     out { outPos: f64; outVel: f64; outAcc: f64 }
     state { bool, f64 }
     presence strict work 60;
+    c Code(r"
+const double goal_velocity = *s0 ? (inDesPos - *s1) / rpi_dt : 0.0;
+*s0 = true;
+*s1 = inDesPos;
+rpi_otg(inCurPos, inCurVel, inDesPos, goal_velocity, inMaxVel, inMaxAcc, rpi_dt, outPos, outVel, outAcc);
+");
     full |cx, _, (known, last), (), (position, velocity, goal, max_velocity, max_acceleration): (f64, f64, f64, f64, f64)| {
         let dt = cx.time.dt;
         let goal_velocity = if *known { (goal - *last) / dt } else { 0.0 };
@@ -80,7 +101,13 @@ pub(crate) fn step(
         return (from.0 + from.1 * dt, from.1, 0.0);
     }
     let sigma = sliding_variable(from, to, max_acceleration, dt);
-    let room = max_velocity - max_acceleration * dt + from.1 * libm::copysign(1.0, sigma);
+    // The sign of not-a-number depends on the processor and on the order of operands.
+    let direction = if sigma.is_nan() {
+        1.0
+    } else {
+        libm::copysign(1.0, sigma)
+    };
+    let room = max_velocity - max_acceleration * dt + from.1 * direction;
     let acceleration = if room < 0.0 {
         0.0
     } else {

@@ -11,6 +11,7 @@ primitive! {
     in { inFirst: f64 = First(Real(0.0)); inSecond: f64 = Second(Real(0.0)) }
     out { outValue: f64 }
     presence strict work 1;
+    c Value("inFirst + inSecond");
     pure |(a, b)| (a + b,)
 }
 
@@ -20,6 +21,7 @@ primitive! {
     in { inFirst: f64 = First(Real(0.0)); inSecond: f64 = Second(Real(0.0)) }
     out { outValue: f64 }
     presence strict work 1;
+    c Value("inFirst * inSecond");
     pure |(a, b)| (a * b,)
 }
 
@@ -29,6 +31,7 @@ primitive! {
     in { inFirst: f64 = First(Real(0.0)); inSecond: f64 = Second(Real(0.0)) }
     out { outValue: f64 }
     presence strict work 4;
+    c Value("inFirst / inSecond");
     pure |(a, b)| (a / b,)
 }
 
@@ -38,6 +41,7 @@ primitive! {
     in { inFirst: f64 = First(Real(1.0)); inSecond: f64 = Second(Real(1.0)) }
     out { outValue: f64 }
     presence strict work 40;
+    c Value("rpi_fmod(inFirst, inSecond)");
     pure |(a, b)| (libm::fmod(a, b),)
 }
 
@@ -48,6 +52,7 @@ primitive! {
     param { Epsilon: f64 = Real(0.0) }
     out { outValue: bool }
     presence strict work 1;
+    c Value("inFirst == inSecond || rpi_abs(inFirst - inSecond) <= Epsilon");
     full |_, _, _, (epsilon,), (a, b)| (equal(a, b, epsilon),)
 }
 
@@ -57,6 +62,7 @@ primitive! {
     in { inFirst: f64 = First(Real(0.0)); inSecond: f64 = Second(Real(0.0)) }
     out { outValue: bool }
     presence strict work 1;
+    c Value("inFirst > inSecond");
     pure |(a, b)| (a > b,)
 }
 

@@ -24,6 +24,7 @@ primitive! {
     in { inA: f64 = A(Real(0.0)); inB: f64 = B(Real(0.0)); inC: f64 = C(Real(0.0)) }
     out { outValue: Rotation }
     presence strict work 80;
+    c Code("rpi_from_abc(inA, inB, inC, outValue);");
     pure |(a, b, c)| (geometry::from_abc(a, b, c),)
 }
 
@@ -34,6 +35,13 @@ primitive! {
     in { inValue: Rotation }
     out { outA: f64; outB: f64; outC: f64 }
     presence strict work 100;
+    c Code(r"
+double abc[3];
+rpi_to_abc(inValue, abc);
+*outA = abc[0];
+*outB = abc[1];
+*outC = abc[2];
+");
     pure |(rotation,)| geometry::to_abc(rotation)
 }
 
@@ -43,6 +51,11 @@ primitive! {
     in { inAxis: Vector = [super::spatial_fallbacks::AXIS]; inAngle: f64 = Angle(Real(0.0)) }
     out { outValue: Rotation }
     presence strict work 50;
+    c Code(r"
+double vector[3];
+rpi_scaled(inAxis, inAngle, 3, vector);
+rpi_from_axis(vector, outValue);
+");
     pure |(axis, angle): (Vector, f64)| (geometry::exp(axis * angle),)
 }
 
@@ -52,6 +65,7 @@ primitive! {
     in { inValue: Rotation }
     out { outAxis: Vector; outAngle: f64 }
     presence strict work 50;
+    c Code("*outAngle = rpi_to_axis(inValue, outAxis);");
     pure |(rotation,)| geometry::to_axis_angle(rotation)
 }
 
@@ -66,6 +80,7 @@ primitive! {
     }
     out { outValue: Rotation }
     presence strict work 16;
+    c Code("rpi_from_quaternion(inX, inY, inZ, inW, outValue);");
     pure |(x, y, z, w)| (geometry::from_quaternion(x, y, z, w),)
 }
 
@@ -75,6 +90,13 @@ primitive! {
     in { inValue: Rotation }
     out { outX: f64; outY: f64; outZ: f64; outW: f64 }
     presence strict work 6;
+    c Code(r"
+const double sign = inValue[3] < 0.0 ? -1.0 : 1.0;
+*outX = inValue[0] * sign;
+*outY = inValue[1] * sign;
+*outZ = inValue[2] * sign;
+*outW = inValue[3] * sign;
+");
     pure |(r,): (Rotation,)| {
         let sign = if r.w < 0.0 { -1.0 } else { 1.0 };
         (r.i * sign, r.j * sign, r.k * sign, r.w * sign)
@@ -87,6 +109,7 @@ primitive! {
     in { inValue: Rotation }
     out { outValue: Rotation }
     presence strict work 3;
+    c Code("rpi_inverse(inValue, outValue);");
     pure |(rotation,): (Rotation,)| (rotation.inverse(),)
 }
 
@@ -96,5 +119,6 @@ primitive! {
     in { inFirst: Rotation; inSecond: Rotation }
     out { outValue: Rotation }
     presence strict work 28;
+    c Code("rpi_compose(inFirst, inSecond, outValue);");
     pure |(a, b): (Rotation, Rotation)| (a * b,)
 }

@@ -21,6 +21,26 @@ primitive! {
     out { outValue: Rotation }
     ring { window }
     presence strict work 40;
+    c Code(r"
+const size_t capacity = (ring_len - 10U) / 4U;
+const uint64_t *newest;
+double value[4];
+double sum[4];
+double dot;
+int32_t k;
+if (inReset) {
+  rpi_clear(ring, ring_len);
+}
+newest = ring + 10U + (rpi_index(ring[0]) % capacity + capacity - 1U) % capacity * 4U;
+/* The quaternions q and -q are one rotation; opposite signs in the sum would cancel. */
+dot = (inValue[0] * rpi_real(newest[0]) + inValue[2] * rpi_real(newest[2])) +
+      (inValue[1] * rpi_real(newest[1]) + inValue[3] * rpi_real(newest[3]));
+for (k = 0; k < 4; k += 1) {
+  value[k] = dot < 0.0 ? -inValue[k] : inValue[k];
+}
+rpi_window_push(ring, ring_len, 4U, value, sum);
+rpi_from_quaternion(sum[0], sum[1], sum[2], sum[3], outValue);
+");
     full |cx, _, history, _, (value, reset): (Rotation, bool)| {
         let window = Window::<Quaternion<f64>>::from_region(*history);
         if reset {
@@ -43,6 +63,28 @@ primitive! {
     in { inValue: f64; inFrom: Rotation; inFromVel: Vector; inToVel: Vector; inTo: Rotation }
     out { outValue: Rotation }
     presence strict work 600;
+    c Code(r"
+double points[4][4];
+double vector[3];
+double turn[4];
+int32_t count;
+int32_t k;
+memcpy(points[0], inFrom, sizeof points[0]);
+rpi_divided(inFromVel, 3.0, 3, vector);
+rpi_from_axis(vector, turn);
+rpi_compose(inFrom, turn, points[1]);
+rpi_negation(inToVel, 3, vector);
+rpi_divided(vector, 3.0, 3, vector);
+rpi_from_axis(vector, turn);
+rpi_compose(inTo, turn, points[2]);
+memcpy(points[3], inTo, sizeof points[3]);
+for (count = 3; count > 0; count -= 1) {
+  for (k = 0; k < count; k += 1) {
+    rpi_interpolate_rotation(points[k], points[k + 1], inValue, points[k]);
+  }
+}
+memcpy(outValue, points[0], sizeof points[0]);
+");
     pure |(t, from, from_vel, to_vel, to): (f64, Rotation, Vector, Vector, Rotation)| {
         let second = from * geometry::exp(from_vel / 3.0);
         let third = to * geometry::exp(-to_vel / 3.0);

@@ -21,6 +21,19 @@ primitive! {
     out { outAge: f64 }
     ring { stamps }
     presence strict work 100;
+    c Code(r"
+size_t back = 0U;
+uint64_t *next = rpi_ring_push(ring, ring_len, 1U, true);
+*next = (uint64_t)inValue;
+while (back < rpi_index(ring[1])) {
+  const uint64_t *stamp = rpi_ring_entry(ring, ring_len, 1U, back);
+  if (stamp != NULL && rpi_integer(*stamp) <= inTime) {
+    break;
+  }
+  back += 1U;
+}
+*outAge = (double)back * rpi_dt;
+");
     full |cx, _, history, _, (value, time)| {
         let ring = RingBuffer::<Time>::from_region(*history);
         ring.push(cx.slots, Some(value));
@@ -40,6 +53,19 @@ primitive! {
     out { outStart: Time; outEnd: Time }
     ring { ranges }
     presence maybe work 400;
+    c Code(r"
+const int64_t first[2] = {inFirstStart, inFirstEnd};
+const int64_t second[2] = {inSecondStart, inSecondEnd};
+int64_t found[2] = {0, 0};
+const bool is_found = rpi_consistent_range(ring, ring_len, first, inFirstStart_present && inFirstEnd_present, second,
+                                           inSecondStart_present && inSecondEnd_present, MaxSize, found);
+if (is_found) {
+  *outStart = found[0];
+  *outEnd = found[1];
+}
+*outStart_present = is_found;
+*outEnd_present = is_found;
+");
     full |cx, _, history, (max_size, _), (first_start, first_end, second_start, second_end)| {
         let first = TimeRange::from_options(first_start, first_end);
         let second = TimeRange::from_options(second_start, second_end);

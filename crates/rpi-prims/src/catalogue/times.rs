@@ -34,6 +34,7 @@ primitive! {
     in { inTime: Time; inDelta: f64 }
     out { outValue: Time }
     presence strict work 3 faults;
+    c Value("rpi_time_add(cx, at, inTime, inDelta)");
     full |cx, place, _, _, (time, delta)| (add_seconds(cx, place, time, delta),)
 }
 
@@ -43,6 +44,7 @@ primitive! {
     in { inFirst: Time; inSecond: Time }
     out { outValue: f64 }
     presence strict work 2;
+    c Value("rpi_time_between(inFirst, inSecond)");
     pure |(first, second)| (seconds_between(first, second),)
 }
 
@@ -66,6 +68,22 @@ primitive! {
     out { outValue: Time }
     ring { sampled::history_slots::<Time> }
     presence maybe work 4;
+    c Code(r"
+*outValue_present = false;
+if (inAge_present) {
+  const size_t oldest = (ring_len - 2U) / (SLOTS(outValue) + 1U) - 1U;
+  const uint64_t *past = rpi_ring_entry(ring, ring_len, SLOTS(outValue), rpi_cycles_back(inAge / MaxAge, oldest));
+  uint64_t *next;
+  if (past != NULL) {
+    *outValue_present = true;
+    LOAD(outValue, past);
+  }
+  next = rpi_ring_push(ring, ring_len, SLOTS(outValue), inValue_present);
+  if (inValue_present) {
+    STORE(next, inValue);
+  }
+}
+");
     full |cx, _, history, (max_age,), (value, age)| {
         (sampled::at_time::<Time>(cx, *history, max_age, value, age),)
     }

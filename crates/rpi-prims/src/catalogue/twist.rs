@@ -24,6 +24,7 @@ primitive! {
     in { inFirst: Twist; inSecond: Twist }
     out { outValue: Twist }
     presence strict work 6;
+    c Code("rpi_sum(inFirst, inSecond, 6, outValue);");
     pure |(a, b): (Twist, Twist)| (twist(a.linear + b.linear, a.angular + b.angular),)
 }
 
@@ -33,6 +34,12 @@ primitive! {
     in { inValue: Twist; inVector: Vector }
     out { outValue: Twist }
     presence strict work 12;
+    c Code(r"
+double moved[3];
+rpi_cross(inValue + 3, inVector, moved);
+rpi_sum(inValue, moved, 3, outValue);
+memcpy(outValue + 3, inValue + 3, 3U * sizeof outValue[0]);
+");
     pure |(t, to): (Twist, Vector)| (twist(t.linear + t.angular.cross(&to), t.angular),)
 }
 
@@ -42,6 +49,14 @@ primitive! {
     in { inPrevFrame: Pose; inFrame: Pose }
     out { outValue: Twist }
     presence strict work 90;
+    c Code(r"
+double turn[4];
+rpi_inverse(inPrevFrame + 3, turn);
+rpi_compose(inFrame + 3, turn, turn);
+rpi_to_rotation_vector(turn, outValue + 3);
+rpi_difference(inFrame, inPrevFrame, 3, outValue);
+rpi_divided(outValue, rpi_dt, 6, outValue);
+");
     full |cx, _, _, _, (from, to)| (velocity(from, to, cx.time.dt),)
 }
 
@@ -51,6 +66,10 @@ primitive! {
     in { inTransVel: Vector = [super::spatial_fallbacks::XYZ]; inRotVel: Vector = [super::spatial_fallbacks::RXYZ] }
     out { outValue: Twist }
     presence strict work 6;
+    c Code(r"
+memcpy(outValue, inTransVel, 3U * sizeof outValue[0]);
+memcpy(outValue + 3, inRotVel, 3U * sizeof outValue[0]);
+");
     pure |(linear, angular)| (twist(linear, angular),)
 }
 
@@ -60,6 +79,10 @@ primitive! {
     in { inValue: Twist }
     out { outTransVel: Vector; outRotVel: Vector }
     presence strict work 6;
+    c Code(r"
+memcpy(outTransVel, inValue, 3U * sizeof outTransVel[0]);
+memcpy(outRotVel, inValue + 3, 3U * sizeof outRotVel[0]);
+");
     pure |(t,): (Twist,)| (t.linear, t.angular)
 }
 
@@ -76,6 +99,14 @@ primitive! {
     }
     out { outValue: Twist }
     presence strict work 6;
+    c Code(r"
+outValue[0] = inX;
+outValue[1] = inY;
+outValue[2] = inZ;
+outValue[3] = inC;
+outValue[4] = inB;
+outValue[5] = inA;
+");
     pure |(x, y, z, a, b, c)| (twist(Vector::new(x, y, z), Vector::new(c, b, a)),)
 }
 
@@ -85,6 +116,14 @@ primitive! {
     in { inValue: Twist }
     out { outX: f64; outY: f64; outZ: f64; outA: f64; outB: f64; outC: f64 }
     presence strict work 6;
+    c Code(r"
+*outX = inValue[0];
+*outY = inValue[1];
+*outZ = inValue[2];
+*outA = inValue[5];
+*outB = inValue[4];
+*outC = inValue[3];
+");
     pure |(t,): (Twist,)| (t.linear.x, t.linear.y, t.linear.z, t.angular.z, t.angular.y, t.angular.x)
 }
 
@@ -94,6 +133,10 @@ primitive! {
     in { inValue: Twist; inRot: Rotation }
     out { outValue: Twist }
     presence strict work 40;
+    c Code(r"
+rpi_rotate(inRot, inValue, outValue);
+rpi_rotate(inRot, inValue + 3, outValue + 3);
+");
     pure |(t, rotation): (Twist, Rotation)| (twist(rotation * t.linear, rotation * t.angular),)
 }
 
@@ -110,6 +153,14 @@ primitive! {
     }
     out { outValue: Wrench }
     presence strict work 6;
+    c Code(r"
+outValue[0] = inX;
+outValue[1] = inY;
+outValue[2] = inZ;
+outValue[3] = inC;
+outValue[4] = inB;
+outValue[5] = inA;
+");
     pure |(x, y, z, a, b, c)| (Wrench { force: Vector::new(x, y, z), torque: Vector::new(c, b, a) },)
 }
 
@@ -119,6 +170,14 @@ primitive! {
     in { inValue: Wrench }
     out { outX: f64; outY: f64; outZ: f64; outA: f64; outB: f64; outC: f64 }
     presence strict work 6;
+    c Code(r"
+*outX = inValue[0];
+*outY = inValue[1];
+*outZ = inValue[2];
+*outA = inValue[5];
+*outB = inValue[4];
+*outC = inValue[3];
+");
     pure |(w,): (Wrench,)| (w.force.x, w.force.y, w.force.z, w.torque.z, w.torque.y, w.torque.x)
 }
 

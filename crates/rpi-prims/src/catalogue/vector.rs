@@ -12,6 +12,7 @@ primitive! {
     in { inFirst: Vector; inSecond: Vector }
     out { outValue: Vector }
     presence strict work 3;
+    c Code("rpi_sum(inFirst, inSecond, 3, outValue);");
     pure |(a, b)| (a + b,)
 }
 
@@ -21,6 +22,7 @@ primitive! {
     in { inFirst: Vector; inSecond: Vector }
     out { outValue: Vector }
     presence strict work 9;
+    c Code("rpi_cross(inFirst, inSecond, outValue);");
     pure |(a, b): (Vector, Vector)| (a.cross(&b),)
 }
 
@@ -30,6 +32,7 @@ primitive! {
     in { inFirst: Vector; inSecond: Vector }
     out { outValue: f64 }
     presence strict work 5;
+    c Value("rpi_dot(inFirst, inSecond)");
     pure |(a, b): (Vector, Vector)| (a.dot(&b),)
 }
 
@@ -39,6 +42,7 @@ primitive! {
     in { inValue: Vector; inFactor: f64 = Factor(Real(1.0)) }
     out { outValue: Vector }
     presence strict work 3;
+    c Code("rpi_scaled(inValue, inFactor, 3, outValue);");
     pure |(v, factor): (Vector, f64)| (v * factor,)
 }
 
@@ -48,6 +52,7 @@ primitive! {
     in { inValue: Vector; inRot: Rotation }
     out { outValue: Vector }
     presence strict work 20;
+    c Code("rpi_rotate(inRot, inValue, outValue);");
     pure |(v, rotation): (Vector, Rotation)| (rotation * v,)
 }
 
@@ -57,6 +62,11 @@ primitive! {
     in { inX: f64 = X(Real(0.0)); inY: f64 = Y(Real(0.0)); inZ: f64 = Z(Real(0.0)) }
     out { outValue: Vector }
     presence strict work 3;
+    c Code(r"
+outValue[0] = inX;
+outValue[1] = inY;
+outValue[2] = inZ;
+");
     pure |(x, y, z)| (Vector::new(x, y, z),)
 }
 
@@ -66,5 +76,10 @@ primitive! {
     in { inValue: Vector }
     out { outX: f64; outY: f64; outZ: f64 }
     presence strict work 3;
+    c Code(r"
+*outX = inValue[0];
+*outY = inValue[1];
+*outZ = inValue[2];
+");
     pure |(v,): (Vector,)| (v.x, v.y, v.z)
 }

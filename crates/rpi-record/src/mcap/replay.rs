@@ -29,14 +29,15 @@ pub fn replay(recording: &Recording) -> Result<ReplayReport, RecordingError> {
     replay_observed(recording, &mut |_, _, _| {})
 }
 
-/// Callback for a command after each of its cycles in a replay: number of the tick, id and state of the command.
+/// Callback for a command in each of its cycles in a replay, after the evaluation and before the delays are stored: number
+/// of the tick, id and state of the command.
 pub type CycleCallback<'a> = &'a mut dyn FnMut(u64, CommandId, &Command);
 
 /// Callback for a tick of a replay: the recorded tick, and the words of the entries about the flows of commands that the
 /// replay has computed in it.
 type TickCallback<'a> = &'a mut dyn FnMut(&LoggedTick<'_>, &[u64]) -> Result<(), RecordingError>;
 
-/// Replays a recording as [`replay`] does, and passes each command to `observe` after each of its cycles.
+/// Replays a recording as [`replay`] does, and passes each command to `observe` in each of its cycles.
 ///
 /// # Errors
 /// Returns an error if the recording is not complete enough to be replayed.
@@ -94,6 +95,9 @@ struct ReplayObserver<'a, 'c> {
 impl CycleObserver for ReplayObserver<'_, '_> {
     fn cycle_finished(&mut self, id: CommandId, command: &Command) {
         self.probe.cycle_finished(id, command);
+    }
+
+    fn evaluated(&mut self, id: CommandId, command: &Command) {
         (self.observe)(self.tick, id, command);
     }
 }

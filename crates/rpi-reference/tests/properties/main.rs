@@ -29,6 +29,7 @@ mod wrapped;
 
 use std::panic::{AssertUnwindSafe, catch_unwind};
 
+use rpi_c_target::CCompiler;
 use rpi_diag::FileId;
 use rpi_reference::Value;
 use rpi_syntax::{Dialect, Parens, Parse, dump_ast, format, parse, print};
@@ -39,6 +40,8 @@ use run::CompiledNode;
 
 /// Number of programs in a plain run.
 const PROGRAMS: u64 = 200;
+/// Number of programs in a plain run that are also compiled as C.
+const C_PROGRAMS: u64 = 100;
 /// First seed of a plain run.
 const SEED: u64 = 20_261_121;
 /// Number of cycles of each program.
@@ -52,7 +55,12 @@ fn number(name: &str, otherwise: u64) -> u64 {
 /// Tests a property on the given number of programs. The property returns a description of the failure; it returns
 /// success for programs to which it does not apply.
 fn holds_of_all(property: fn(&str, u64) -> Result<(), String>) {
-    let (programs, first) = (number("RPI_PROGRAMS", PROGRAMS), number("RPI_SEED", SEED));
+    holds_of(PROGRAMS, property);
+}
+
+/// Tests a property that takes longer, on `programs` programs in a plain run.
+fn holds_of(programs: u64, property: fn(&str, u64) -> Result<(), String>) {
+    let (programs, first) = (number("RPI_PROGRAMS", programs), number("RPI_SEED", SEED));
     let property = |text: &str, seed: u64| {
         let tried = catch_unwind(AssertUnwindSafe(|| property(text, seed)));
         tried.unwrap_or_else(|_| Err("panics: see above".to_owned()))
@@ -77,6 +85,22 @@ fn the_optimised_image_equals_the_reference() {
         let rows = ready.rows(&mut Random::new(seed), CYCLES);
         let expected = run::reference(text, "main", &rows)?;
         alike(&format!("inputs {rows:?}"), &expected, &ready.run(&rows))
+    });
+}
+
+/// The compilers that are not installed are reported and left out.
+#[test]
+fn the_c_text_equals_the_image() {
+    if !CCompiler::new("gcc").is_installed() {
+        return println!("SKIPPED: gcc is not installed");
+    }
+    holds_of(C_PROGRAMS, |text, seed| {
+        let ready = CompiledNode::new(text, "main")?;
+        let rows = ready.rows(&mut Random::new(seed), CYCLES);
+        let options = ["-O0", "-O2", "-O1 -fsanitize=undefined,address"];
+        let options = options[seed as usize % options.len()];
+        let compiler = CCompiler::new(&format!("gcc -std=c99 {options}"));
+        ready.run_in_c(&rows, &compiler)
     });
 }
 

@@ -2,6 +2,7 @@
 
 use std::sync::Arc;
 
+use rpi_c_target::{CCompiler, Lockstep};
 use rpi_core::{CycleContext, Instance, Verdict};
 use rpi_device::NoDevices;
 use rpi_driver::{
@@ -114,6 +115,28 @@ impl CompiledNode {
             }
         }
         results
+    }
+
+    /// Runs the image in the core and in C, up to a fault.
+    ///
+    /// # Errors
+    /// The first difference, or the messages of the C compiler.
+    pub(crate) fn run_in_c(&self, rows: &Rows, compiler: &CCompiler) -> Result<(), String> {
+        let both = Lockstep::start(&self.image, &mut NoDevices, compiler);
+        let mut both = both.map_err(|e| format!("C: {e}"))?;
+        for row in rows {
+            for (column, value) in self.node.inputs.iter().zip(row) {
+                let ports = &self.image.inputs;
+                if let Some(port) = ports.iter().position(|port| port.key == column.key) {
+                    both.instance().set_input(port, &[value.bits()], 0);
+                }
+            }
+            let same = both.cycle(&mut NoDevices, &CycleContext::default());
+            if !same.map_err(|e| format!("C: {e}"))? {
+                break;
+            }
+        }
+        Ok(())
     }
 
     fn results(&self, machine: &Instance) -> CycleResult {

@@ -89,6 +89,16 @@ impl NodeRun {
     /// Executes one cycle. `given` holds the memory words of every in-port, in the order of the input columns; `None`
     /// is an absent value.
     pub fn cycle(&mut self, given: &[Option<Vec<u64>>]) -> CycleResult {
+        self.cycle_observed(given, &mut |_| {})
+    }
+
+    /// Executes one cycle as [`NodeRun::cycle`] does, and passes the instance to `observe` after the evaluation, before the
+    /// delays are stored.
+    pub fn cycle_observed(
+        &mut self,
+        given: &[Option<Vec<u64>>],
+        observe: &mut dyn FnMut(&Instance),
+    ) -> CycleResult {
         let now = CycleContext::default();
         for (input, cells) in self.inputs.iter().zip(given) {
             match (input, cells) {
@@ -102,6 +112,7 @@ impl NodeRun {
         let number = self.machine.cycle();
         self.machine.read(&mut self.bank, &now);
         self.machine.evaluate(&mut self.bank);
+        observe(&self.machine);
         let cycle = self.cycle_result(number);
         self.machine.commit();
         self.machine.hand_over(&mut self.bank);

@@ -119,6 +119,18 @@ impl TestReport {
 /// # Errors
 /// Returns the load errors if the image cannot be loaded.
 pub fn run(case: TestCase<'_>) -> Result<TestReport, ImageLoadError> {
+    run_observed(case, &mut |_| {})
+}
+
+/// Runs a test as [`run`] does, and passes the instance to `observe` in each cycle, after the evaluation and before the
+/// delays are stored.
+///
+/// # Errors
+/// Returns the load errors if the image cannot be loaded.
+pub fn run_observed(
+    case: TestCase<'_>,
+    observe: &mut dyn FnMut(&Instance),
+) -> Result<TestReport, ImageLoadError> {
     let machine = Instance::load(case.image, &mut NoDevices).map_err(ImageLoadError)?;
     let finishes = can_finish(&machine.image().end);
     let noted = case.coverage.then_some(case.net);
@@ -129,7 +141,7 @@ pub fn run(case: TestCase<'_>) -> Result<TestReport, ImageLoadError> {
     } else {
         DEFAULT_CYCLES
     });
-    let end = (0..cycles).find_map(|cycle| watch.cycle(cycle));
+    let end = (0..cycles).find_map(|cycle| watch.cycle(cycle, observe));
     Ok(watch.report(end.or(finishes.then_some(TestEnd::Unfinished))))
 }
 
@@ -192,11 +204,12 @@ impl TestRun {
 
     /// Executes the cycle of the test with this number, from 0. Returns how the test ended if it ended in this cycle,
     /// else `None`.
-    fn cycle(&mut self, cycle: u64) -> Option<TestEnd> {
+    fn cycle(&mut self, cycle: u64, observe: &mut dyn FnMut(&Instance)) -> Option<TestEnd> {
         let bank = &mut NoDevices;
         self.machine
             .read(bank, &cycle_context(cycle, &self.machine));
         self.machine.evaluate(bank);
+        observe(&self.machine);
         self.machine.commit();
         self.machine.hand_over(bank);
         self.cycles += 1;

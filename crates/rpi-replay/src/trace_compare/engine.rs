@@ -60,6 +60,7 @@ fn machine(net: &Net, options: &Options, bank: &mut TraceBank) -> Result<Instanc
         tick_ns: options.period_ns,
         observe: Observe::All,
         may_be_absent: &may_be_absent,
+        locates_all: false,
     };
     let image = rpi_lower::lower(&analysis.net, &plan, &lowering)
         .map_err(|error| ReplayError::Lowering(error.to_string()))?;

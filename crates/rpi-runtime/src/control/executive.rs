@@ -348,4 +348,8 @@ impl CycleObserver for CycleObservers<'_> {
         self.stopwatch.switch_to(next);
         self.further.evaluation_starts(next);
     }
+
+    fn evaluated(&mut self, id: CommandId, command: &Command) {
+        self.further.evaluated(id, command);
+    }
 }

@@ -104,4 +104,8 @@ impl CycleObserver for ObserverPair<'_> {
     fn evaluation_starts(&mut self, next: Option<CommandId>) {
         self.1.evaluation_starts(next);
     }
+
+    fn evaluated(&mut self, id: CommandId, command: &Command) {
+        self.1.evaluated(id, command);
+    }
 }

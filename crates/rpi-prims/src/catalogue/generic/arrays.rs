@@ -17,6 +17,7 @@ macro_rules! arrays {
             out { outArray: Array<$t> }
             shape ShapeRule::FromParam("Size");
             presence strict work 8;
+            c Code("NEUTRAL(outArray);");
             bulk |cx, _, (_,), (), (array,)| array.fill(cx.slots, <$t as FlowType>::neutral())
         }
 
@@ -28,6 +29,14 @@ macro_rules! arrays {
             out { outValue: $t }
             shape ShapeRule::Computed(super::arrays::one::<$t>);
             presence strict work 1 faults;
+            c Code(r"
+if (Index < 0 || Index >= inArray_len) {
+  rpi_fault(cx, RPI_INDEX_OUT_OF_RANGE, at);
+  NEUTRAL(outValue);
+} else {
+  GET(outValue, inArray, Index);
+}
+");
             full |cx, place, (), (_, index), (array,)| (super::arrays::get(cx, place, array, index),)
         }
 
@@ -39,6 +48,14 @@ macro_rules! arrays {
             out { outArray: Array<$t> }
             shape ShapeRule::Computed(super::arrays::with_index);
             presence strict work 8 faults;
+            c Code(r"
+SLICE(outArray, inArray, 0);
+if (Index < 0 || Index >= outArray_len) {
+  rpi_fault(cx, RPI_INDEX_OUT_OF_RANGE, at);
+} else {
+  PUT(outArray, Index, inValue);
+}
+");
             bulk |cx, place, (_, index), (from, value), (to,)| {
                 if !(to.copy(cx.slots, from, 0) && to.set(cx.slots, index, value)) {
                     super::arrays::index_fault(cx, place, index, to.len());
@@ -54,6 +71,13 @@ macro_rules! arrays {
             out { outArray: Array<$t> }
             shape ShapeRule::Computed(super::arrays::slice::<$t>);
             presence strict work 8 faults;
+            c Code(r"
+if (Start < 0 || Start > inArray_len - outArray_len) {
+  rpi_fault(cx, RPI_INDEX_OUT_OF_RANGE, at);
+} else {
+  SLICE(outArray, inArray, Start);
+}
+");
             bulk |cx, place, (_, start), (from,), (to,)| {
                 if !to.copy(cx.slots, from, start) {
                     cx.fault(FaultCode::IndexOutOfRange, place);
@@ -78,6 +102,12 @@ macro_rules! arrays {
             out { outValue: Array<$t> }
             shape ShapeRule::SameAsInput(0);
             presence maybe work 8;
+            c Code(r"
+*outValue_present = inValue_present && inNull_present && !inNull;
+if (*outValue_present) {
+  SLICE(outValue, inValue, 0);
+}
+");
             bulk |cx, _, (_,), (from, null), (to,)| {
                 let from = from.filter(|_| null == Some(false));
                 from.is_some_and(|from| to.copy(cx.slots, from, 0))

@@ -19,6 +19,13 @@ macro_rules! sampled {
             state { $t }
             init super::sampled::init_with_first_param;
             presence always work 2;
+            c Code(r"
+if (inSnapshot_present && inSnapshot && inValue_present) {
+  COPY(s0, inValue);
+}
+COPY(outValue, s0);
+*outValue_present = true;
+");
             full |_, _, (held,), (_,), (snapshot, value)| {
                 if snapshot == Some(true) {
                     *held = value.unwrap_or(*held);
@@ -37,6 +44,22 @@ macro_rules! sampled {
             out { outValue: $t }
             ring { super::sampled::history_slots::<$t> }
             presence maybe work 4;
+            c Code(r"
+*outValue_present = false;
+if (inAge_present) {
+  const size_t oldest = (ring_len - 2U) / (SLOTS(outValue) + 1U) - 1U;
+  const uint64_t *past = rpi_ring_entry(ring, ring_len, SLOTS(outValue), rpi_cycles_back(inAge / MaxAge, oldest));
+  uint64_t *next;
+  if (past != NULL) {
+    *outValue_present = true;
+    LOAD(outValue, past);
+  }
+  next = rpi_ring_push(ring, ring_len, SLOTS(outValue), inValue_present);
+  if (inValue_present) {
+    STORE(next, inValue);
+  }
+}
+");
             full |cx, _, history, (max_age,), (value, age)| {
                 (super::sampled::at_time::<$t>(cx, *history, max_age, value, age),)
             }

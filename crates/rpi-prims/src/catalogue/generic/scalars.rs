@@ -28,6 +28,12 @@ macro_rules! scalars {
             in { inValue: $t; inNull: bool }
             out { outValue: $t }
             presence maybe work 1;
+            c Code(r"
+*outValue_present = inValue_present && inNull_present && !inNull;
+if (*outValue_present) {
+  COPY(outValue, inValue);
+}
+");
             pure |(value, null)| (value.filter(|_| null == Some(false)),)
         }
 
@@ -38,6 +44,12 @@ macro_rules! scalars {
             in { inCondition: bool; inTrue: $t = True(Neutral); inFalse: $t = False(Neutral) }
             out { outValue: $t }
             presence if_all work 1;
+            c Both("inCondition ? inTrue : inFalse", r"
+*outValue_present = inCondition_present && (inCondition ? inTrue_present : inFalse_present);
+if (*outValue_present) {
+  COPY(outValue, inCondition ? inTrue : inFalse);
+}
+");
             pure |(condition, yes, no)| (condition.and_then(|c| if c { yes } else { no }),)
         }
     };

@@ -22,6 +22,7 @@ primitive! {
     in { inFirst: Time; inSecond: Time }
     out { outValue: bool }
     presence strict work 1;
+    c Value("inFirst == inSecond");
     pure |(a, b): (Time, Time)| (a == b,)
 }
 
@@ -31,6 +32,7 @@ primitive! {
     in { inFirst: Time; inSecond: Time }
     out { outValue: bool }
     presence strict work 1;
+    c Value("inFirst > inSecond");
     pure |(a, b): (Time, Time)| (a > b,)
 }
 
@@ -40,6 +42,7 @@ primitive! {
     in { inFirst: Time; inSecond: Time }
     out { outValue: bool }
     presence strict work 1;
+    c Value("inFirst >= inSecond");
     pure |(a, b): (Time, Time)| (a >= b,)
 }
 

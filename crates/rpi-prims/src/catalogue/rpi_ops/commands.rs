@@ -68,6 +68,7 @@ primitive! {
     in { inValue: bool }
     out { outValue: bool }
     presence strict work 1 faults;
+    c Value("rpi_check(cx, at, RPI_ASSERTION_FAILED, inValue)");
     full |cx, place, _, _, (holds,)| fault_unless(cx, place, holds, FaultCode::AssertionFailed)
 }
 
@@ -78,6 +79,7 @@ primitive! {
     in { inValue: bool; inIndex: i64 = Index(Int(0)); inLength: i64 = Length(Int(0)) }
     out { outValue: bool }
     presence strict work 1 faults;
+    c Code("*outValue = rpi_check(cx, at, RPI_INDEX_OUT_OF_RANGE, inValue);");
     full |cx, place, _, _, (holds, index, length)| {
         if !holds {
             cx.fault_by(FaultCode::IndexOutOfRange, place, FaultValues::Index { index, length });
@@ -93,6 +95,7 @@ primitive! {
     in { inValue: bool }
     out { outValue: bool }
     presence strict work 1 faults;
+    c Value("rpi_check(cx, at, RPI_ASSERTION_FAILED, inValue)");
     full |cx, place, _, _, (holds,)| fault_unless(cx, place, holds, FaultCode::AssertionFailed)
 }
 

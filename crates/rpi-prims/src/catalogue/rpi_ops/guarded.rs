@@ -25,13 +25,14 @@ pub(in crate::catalogue) const ALL: &[Prim] = &[
 /// Defines a primitive with two integer operands that computes only while its in-port `inActive` is true. `$what` is
 /// the start of its documentation.
 macro_rules! binary {
-    ($id:ident, $name:literal, $what:literal, $work:literal, $second:literal, |$cx:ident, $place:ident, $a:ident, $b:ident| $result:expr) => {
+    ($id:ident, $name:literal, $what:literal, $work:literal, $second:literal, $c:literal, |$cx:ident, $place:ident, $a:ident, $b:ident| $result:expr) => {
         primitive! {
             #[doc = concat!($what, " if `inActive` is true; else 0 without a fault.")]
             $id = concat!("Rpi::GuardedInt", $name);
             in { inActive: bool; inFirst: i64 = First(Int(0)); inSecond: i64 = Second(Int($second)) }
             out { outValue: i64 }
             presence strict work $work faults;
+            c Value(concat!("inActive ? ", $c, " : 0"));
             full |$cx, $place, _, _, (active, $a, $b): (bool, i64, i64)| (if active { $result } else { 0 },)
         }
     };
@@ -43,6 +44,7 @@ binary!(
     "Sum of two integers",
     1,
     0,
+    "rpi_int_add(cx, at, inFirst, inSecond)",
     |cx, place, a, b| or_overflow_fault(cx, place, a.checked_add(b))
 );
 binary!(
@@ -51,6 +53,7 @@ binary!(
     "Difference of two integers",
     1,
     0,
+    "rpi_int_subtract(cx, at, inFirst, inSecond)",
     |cx, place, a, b| or_overflow_fault(cx, place, a.checked_sub(b))
 );
 binary!(
@@ -59,6 +62,7 @@ binary!(
     "Product of two integers",
     1,
     0,
+    "rpi_int_multiply(cx, at, inFirst, inSecond)",
     |cx, place, a, b| or_overflow_fault(cx, place, a.checked_mul(b))
 );
 binary!(
@@ -67,6 +71,7 @@ binary!(
     "Quotient of two integers, truncated towards 0,",
     10,
     1,
+    "rpi_int_divide(cx, at, inFirst, inSecond)",
     |cx, place, a, b| or_division_fault(cx, place, b, a.checked_div(b))
 );
 binary!(
@@ -75,6 +80,7 @@ binary!(
     "Remainder of the truncated division",
     10,
     1,
+    "rpi_int_modulo(cx, at, inFirst, inSecond)",
     |cx, place, a, b| or_division_fault(cx, place, b, remainder(a, b))
 );
 binary!(
@@ -83,32 +89,40 @@ binary!(
     "First integer to the power of the second",
     64,
     1,
+    "rpi_int_power(cx, at, inFirst, inSecond)",
     |cx, place, a, b| or_overflow_fault(cx, place, power(a, b))
 );
 
 /// Defines a primitive with one operand that computes only while its in-port `inActive` is true. `$what` is the start
 /// of its documentation.
 macro_rules! unary {
-    ($id:ident, $name:literal, $what:literal, $t:ty, |$cx:ident, $place:ident, $a:ident| $result:expr) => {
+    ($id:ident, $name:literal, $what:literal, $t:ty, $c:literal, |$cx:ident, $place:ident, $a:ident| $result:expr) => {
         primitive! {
             #[doc = concat!($what, " if `inActive` is true; else 0 without a fault.")]
             $id = concat!("Rpi::GuardedInt", $name);
             in { inActive: bool; inValue: $t = Value(Neutral) }
             out { outValue: i64 }
             presence strict work 1 faults;
+            c Value(concat!("inActive ? ", $c, " : 0"));
             full |$cx, $place, _, _, (active, $a): (bool, $t)| (if active { $result } else { 0 },)
         }
     };
 }
 
-unary!(NEGATE, "Negate", "Negated integer", i64, |cx, place, a| {
-    or_overflow_fault(cx, place, a.checked_neg())
-});
+unary!(
+    NEGATE,
+    "Negate",
+    "Negated integer",
+    i64,
+    "rpi_int_negate(cx, at, inValue)",
+    |cx, place, a| or_overflow_fault(cx, place, a.checked_neg())
+);
 unary!(
     ABSOLUTE,
     "Absolute",
     "Absolute value",
     i64,
+    "rpi_int_absolute(cx, at, inValue)",
     |cx, place, a| or_overflow_fault(cx, place, a.checked_abs())
 );
 unary!(
@@ -116,6 +130,7 @@ unary!(
     "FromDouble",
     "Integer part of a real, truncated towards 0,",
     f64,
+    "rpi_int_from_real(cx, at, inValue)",
     |cx, place, a| truncate_or_fault(cx, place, a)
 );
 
@@ -126,6 +141,7 @@ primitive! {
     in { inActive: bool; inValue: i64 = Value(Int(0)); inFrom: i64 = From(Int(i64::MIN)); inTo: i64 = To(Int(i64::MAX)) }
     out { outValue: i64 }
     presence strict work 2 faults;
+    c Value("rpi_int_within(cx, at, inActive, inValue, inFrom, inTo)");
     full |cx, place, _, _, (active, value, from, to): (bool, i64, i64, i64)| {
         if active && !(from..=to).contains(&value) {
             cx.fault_by(FaultCode::OutsideSubrange, place, FaultValues::Range { value, from, to });
@@ -141,5 +157,6 @@ primitive! {
     in { inActive: bool; inValue: f64 }
     out { outValue: i64 }
     presence strict work 10 faults;
+    c Value("inActive ? rpi_ticks(cx, at, inValue) : 0");
     full |cx, place, _, _, (active, seconds): (bool, f64)| (if active { ticks_or_fault(cx, place, seconds) } else { 0 },)
 }

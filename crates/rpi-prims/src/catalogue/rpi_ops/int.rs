@@ -21,6 +21,7 @@ primitive! {
     in { inFirst: i64 = First(Int(0)); inSecond: i64 = Second(Int(0)) }
     out { outValue: i64 }
     presence strict work 1 faults;
+    c Value("rpi_int_subtract(cx, at, inFirst, inSecond)");
     full |cx, place, _, _, (a, b)| (or_overflow_fault(cx, place, i64::checked_sub(a, b)),)
 }
 
@@ -30,6 +31,7 @@ primitive! {
     in { inValue: i64 = Value(Int(0)) }
     out { outValue: i64 }
     presence strict work 1 faults;
+    c Value("rpi_int_negate(cx, at, inValue)");
     full |cx, place, _, _, (a,)| (or_overflow_fault(cx, place, i64::checked_neg(a)),)
 }
 
@@ -40,6 +42,7 @@ primitive! {
     in { inFirst: i64 = First(Int(0)); inSecond: i64 = Second(Int(1)) }
     out { outValue: i64 }
     presence strict work 10 faults;
+    c Value("rpi_int_modulo(cx, at, inFirst, inSecond)");
     full |cx, place, _, _, (a, b)| (or_division_fault(cx, place, b, remainder(a, b)),)
 }
 
@@ -49,6 +52,7 @@ primitive! {
     in { inFirst: i64 = First(Int(0)); inSecond: i64 = Second(Int(1)) }
     out { outValue: i64 }
     presence strict work 64 faults;
+    c Value("rpi_int_power(cx, at, inFirst, inSecond)");
     full |cx, place, _, _, (a, b)| (or_overflow_fault(cx, place, power(a, b)),)
 }
 
@@ -58,6 +62,7 @@ primitive! {
     in { inValue: i64 = Value(Int(0)) }
     out { outValue: i64 }
     presence strict work 1 faults;
+    c Value("rpi_int_absolute(cx, at, inValue)");
     full |cx, place, _, _, (a,)| (or_overflow_fault(cx, place, i64::checked_abs(a)),)
 }
 
@@ -67,6 +72,7 @@ primitive! {
     in { inFirst: i64 = First(Int(0)); inSecond: i64 = Second(Int(0)) }
     out { outValue: i64 }
     presence strict work 1;
+    c Value("inFirst < inSecond ? inFirst : inSecond");
     pure |(a, b): (i64, i64)| (a.min(b),)
 }
 
@@ -76,6 +82,7 @@ primitive! {
     in { inFirst: i64 = First(Int(0)); inSecond: i64 = Second(Int(0)) }
     out { outValue: i64 }
     presence strict work 1;
+    c Value("inFirst > inSecond ? inFirst : inSecond");
     pure |(a, b): (i64, i64)| (a.max(b),)
 }
 
@@ -85,6 +92,7 @@ primitive! {
     in { inFirst: i64 = First(Int(0)); inSecond: i64 = Second(Int(0)) }
     out { outValue: bool }
     presence strict work 1;
+    c Value("inFirst >= inSecond");
     pure |(a, b): (i64, i64)| (a >= b,)
 }
 

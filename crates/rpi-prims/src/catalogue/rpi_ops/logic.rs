@@ -11,6 +11,7 @@ primitive! {
     in { inFirst: bool = First(Bool(false)); inSecond: bool = Second(Bool(false)) }
     out { outValue: bool }
     presence strict work 1;
+    c Value("inFirst != inSecond");
     pure |(a, b): (bool, bool)| (a ^ b,)
 }
 
@@ -21,6 +22,13 @@ primitive! {
     in { inFirst: bool = First(Bool(false)); inSecond: bool = Second(Bool(false)) }
     out { outValue: bool }
     presence if_all work 1;
+    c Both("!inFirst || inSecond", r"
+const bool is_true = (inFirst_present && !inFirst) || (inSecond_present && inSecond);
+*outValue_present = is_true || (inFirst_present && inSecond_present);
+if (*outValue_present) {
+  *outValue = is_true;
+}
+");
     pure |(a, b)| (match (a, b) {
         (Some(false), _) | (_, Some(true)) => Some(true),
         (Some(true), Some(false)) => Some(false),
@@ -34,5 +42,6 @@ primitive! {
     in { inFirst: bool = First(Bool(false)); inSecond: bool = Second(Bool(false)) }
     out { outValue: bool }
     presence strict work 1;
+    c Value("inFirst == inSecond");
     pure |(a, b): (bool, bool)| (a == b,)
 }

@@ -32,6 +32,7 @@ primitive! {
     in { inValue: i64 = Value(Int(0)); inWidth: i64 = Width(Int(-64)) }
     out { outValue: i64 }
     presence strict work 2;
+    c Value("rpi_wrap(inValue, inWidth)");
     pure |(a, width): (i64, i64)| (wrap(a, width),)
 }
 
@@ -41,6 +42,7 @@ primitive! {
     in { inFirst: i64 = First(Int(0)); inSecond: i64 = Second(Int(0)); inWidth: i64 = Width(Int(-64)) }
     out { outValue: i64 }
     presence strict work 3;
+    c Value("rpi_wrap(rpi_integer((uint64_t)inFirst + (uint64_t)inSecond), inWidth)");
     pure |(a, b, width): (i64, i64, i64)| (wrap(a.wrapping_add(b), width),)
 }
 
@@ -50,6 +52,7 @@ primitive! {
     in { inFirst: i64 = First(Int(0)); inSecond: i64 = Second(Int(0)); inWidth: i64 = Width(Int(-64)) }
     out { outValue: i64 }
     presence strict work 3;
+    c Value("rpi_wrap(rpi_integer((uint64_t)inFirst - (uint64_t)inSecond), inWidth)");
     pure |(a, b, width): (i64, i64, i64)| (wrap(a.wrapping_sub(b), width),)
 }
 
@@ -59,6 +62,7 @@ primitive! {
     in { inFirst: i64 = First(Int(0)); inSecond: i64 = Second(Int(1)); inWidth: i64 = Width(Int(-64)) }
     out { outValue: i64 }
     presence strict work 4;
+    c Value("rpi_wrap(rpi_integer((uint64_t)inFirst * (uint64_t)inSecond), inWidth)");
     pure |(a, b, width): (i64, i64, i64)| (wrap(a.wrapping_mul(b), width),)
 }
 
@@ -69,6 +73,7 @@ primitive! {
     in { inFirst: i64 = First(Int(0)); inSecond: i64 = Second(Int(1)); inWidth: i64 = Width(Int(-64)) }
     out { outValue: i64 }
     presence strict work 10;
+    c Value("rpi_machine_divide(inFirst, inSecond, inWidth)");
     pure |(a, b, width): (i64, i64, i64)| (quotient(a, b, width),)
 }
 
@@ -78,6 +83,7 @@ primitive! {
     in { inFirst: i64 = First(Int(0)); inSecond: i64 = Second(Int(1)); inWidth: i64 = Width(Int(-64)) }
     out { outValue: i64 }
     presence strict work 10;
+    c Value("rpi_machine_modulo(inFirst, inSecond, inWidth)");
     pure |(a, b, width): (i64, i64, i64)| (remainder(a, b, width),)
 }
 
@@ -87,6 +93,7 @@ primitive! {
     in { inFirst: i64 = First(Int(0)); inSecond: i64 = Second(Int(0)) }
     out { outValue: i64 }
     presence strict work 1;
+    c Value("rpi_integer((uint64_t)inFirst & (uint64_t)inSecond)");
     pure |(a, b): (i64, i64)| (a & b,)
 }
 
@@ -96,6 +103,7 @@ primitive! {
     in { inFirst: i64 = First(Int(0)); inSecond: i64 = Second(Int(0)) }
     out { outValue: i64 }
     presence strict work 1;
+    c Value("rpi_integer((uint64_t)inFirst | (uint64_t)inSecond)");
     pure |(a, b): (i64, i64)| (a | b,)
 }
 
@@ -105,6 +113,7 @@ primitive! {
     in { inValue: i64 = Value(Int(0)); inWidth: i64 = Width(Int(-64)) }
     out { outValue: i64 }
     presence strict work 2;
+    c Value("rpi_wrap(rpi_integer(~(uint64_t)inValue), inWidth)");
     pure |(a, width): (i64, i64)| (wrap(!a, width),)
 }
 
@@ -114,6 +123,7 @@ primitive! {
     in { inFirst: i64 = First(Int(0)); inSecond: i64 = Second(Int(0)); inWidth: i64 = Width(Int(-64)) }
     out { outValue: i64 }
     presence strict work 3;
+    c Value("rpi_shift_left(inFirst, inSecond, inWidth)");
     pure |(a, b, width): (i64, i64, i64)| (wrap(a.checked_shl(shift_amount(b)).unwrap_or(0), width),)
 }
 
@@ -124,6 +134,7 @@ primitive! {
     in { inFirst: i64 = First(Int(0)); inSecond: i64 = Second(Int(0)); inWidth: i64 = Width(Int(-64)) }
     out { outValue: i64 }
     presence strict work 3;
+    c Value("rpi_shift_right(inFirst, inSecond, inWidth)");
     pure |(a, b, width): (i64, i64, i64)| (shifted_right(a, b, width),)
 }
 
@@ -133,6 +144,7 @@ primitive! {
     in { inFirst: i64 = First(Int(0)); inSecond: i64 = Second(Int(0)); inWidth: i64 = Width(Int(-64)) }
     out { outValue: bool }
     presence strict work 2;
+    c Value("inWidth < 0 ? inFirst > inSecond : (uint64_t)inFirst > (uint64_t)inSecond");
     pure |(a, b, width): (i64, i64, i64)| (order(a, b, width).is_gt(),)
 }
 
@@ -142,6 +154,7 @@ primitive! {
     in { inFirst: i64 = First(Int(0)); inSecond: i64 = Second(Int(0)); inWidth: i64 = Width(Int(-64)) }
     out { outValue: bool }
     presence strict work 2;
+    c Value("inWidth < 0 ? inFirst >= inSecond : (uint64_t)inFirst >= (uint64_t)inSecond");
     pure |(a, b, width): (i64, i64, i64)| (order(a, b, width).is_ge(),)
 }
 
@@ -151,6 +164,14 @@ primitive! {
     in { inValue: i64 = Value(Int(0)); inWidth: i64 = Width(Int(-64)) }
     out { outValue: i64 }
     presence strict work 1 faults;
+    c Code(r"
+if (inWidth >= 0 && inValue < 0) {
+  rpi_fault(cx, RPI_INTEGER_OVERFLOW, at);
+  *outValue = 0;
+} else {
+  *outValue = inValue;
+}
+");
     full |cx, place, _, _, (a, width)| (or_overflow_fault(cx, place, (width < 0 || a >= 0).then_some(a)),)
 }
 

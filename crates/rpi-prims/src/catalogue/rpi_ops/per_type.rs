@@ -15,28 +15,46 @@ macro_rules! operators {
             use super::*;
 
             primitive! {
-                /// `first ?? second`: `inFirst` if it is present, else `inSecond`.
-                COALESCE = concat!("Rpi::", $name, "Coalesce");
-                in { inFirst: $t; inSecond: $t }
-                out { outValue: $t }
-                presence if_any work 1;
-                pure |(first, second)| (first.or(second),)
-            }
+                                        /// `first ?? second`: `inFirst` if it is present, else `inSecond`.
+                                        COALESCE = concat!("Rpi::", $name, "Coalesce");
+                                        in { inFirst: $t; inSecond: $t }
+                                        out { outValue: $t }
+                                        presence if_any work 1;
+                                        c Both("inFirst", r"
+*outValue_present = inFirst_present || inSecond_present;
+if (*outValue_present) {
+  COPY(outValue, inFirst_present ? inFirst : inSecond);
+}
+");
+                                        pure |(first, second)| (first.or(second),)
+                                    }
 
             primitive! {
-                /// `hold(x, init)`: last present value of `inValue`; `inInitial` before the first present value.
-                HOLD = concat!("Rpi::", $name, "Hold");
-                in { inValue: $t; inInitial: $t }
-                out { outValue: $t }
-                state { bool, $t }
-                presence if_any work 2;
-                full |_, _, (seen, last), (), (value, initial)| {
-                    if let Some(value) = value {
-                        (*seen, *last) = (true, value);
-                    }
-                    (if *seen { Some(*last) } else { initial },)
-                }
-            }
+                                        /// `hold(x, init)`: last present value of `inValue`; `inInitial` before the first present value.
+                                        HOLD = concat!("Rpi::", $name, "Hold");
+                                        in { inValue: $t; inInitial: $t }
+                                        out { outValue: $t }
+                                        state { bool, $t }
+                                        presence if_any work 2;
+                                        c Code(r"
+if (inValue_present) {
+  *s0 = true;
+  COPY(s1, inValue);
+}
+*outValue_present = *s0 || inInitial_present;
+if (*s0) {
+  COPY(outValue, s1);
+} else if (inInitial_present) {
+  COPY(outValue, inInitial);
+}
+");
+                                        full |_, _, (seen, last), (), (value, initial)| {
+                                            if let Some(value) = value {
+                                                (*seen, *last) = (true, value);
+                                            }
+                                            (if *seen { Some(*last) } else { initial },)
+                                        }
+                                    }
 
             interface! {
                 /// Delay: value of `inValue` in the previous cycle in which the enclosing fragment was active. The

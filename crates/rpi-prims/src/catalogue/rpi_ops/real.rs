@@ -24,6 +24,7 @@ primitive! {
     in { inFirst: f64 = First(Real(0.0)); inSecond: f64 = Second(Real(0.0)) }
     out { outValue: f64 }
     presence strict work 1;
+    c Value("inFirst - inSecond");
     pure |(a, b): (f64, f64)| (a - b,)
 }
 
@@ -33,6 +34,7 @@ primitive! {
     in { inValue: f64 = Value(Real(0.0)) }
     out { outValue: f64 }
     presence strict work 1;
+    c Value("-inValue");
     pure |(a,): (f64,)| (-a,)
 }
 
@@ -42,6 +44,7 @@ primitive! {
     in { inValue: f64 = Value(Real(0.0)) }
     out { outValue: f64 }
     presence strict work 1;
+    c Value("rpi_abs(inValue)");
     pure |(a,): (f64,)| (libm::fabs(a),)
 }
 
@@ -51,6 +54,7 @@ primitive! {
     in { inFirst: f64 = First(Real(0.0)); inSecond: f64 = Second(Real(0.0)) }
     out { outValue: f64 }
     presence strict work 1;
+    c Value("rpi_min(inFirst, inSecond)");
     pure |(a, b): (f64, f64)| (libm::fmin(a, b),)
 }
 
@@ -60,6 +64,7 @@ primitive! {
     in { inFirst: f64 = First(Real(0.0)); inSecond: f64 = Second(Real(0.0)) }
     out { outValue: f64 }
     presence strict work 1;
+    c Value("rpi_max(inFirst, inSecond)");
     pure |(a, b): (f64, f64)| (libm::fmax(a, b),)
 }
 
@@ -69,6 +74,7 @@ primitive! {
     in { inFirst: f64 = First(Real(0.0)); inSecond: f64 = Second(Real(0.0)) }
     out { outValue: bool }
     presence strict work 1;
+    c Value("inFirst >= inSecond");
     pure |(a, b): (f64, f64)| (a >= b,)
 }
 
@@ -78,6 +84,7 @@ primitive! {
     in { inValue: f64 = Value(Real(0.0)) }
     out { outValue: f64 }
     presence strict work 1;
+    c Value("rpi_floor(inValue)");
     pure |(a,): (f64,)| (libm::floor(a),)
 }
 
@@ -87,6 +94,7 @@ primitive! {
     in { inValue: f64 = Value(Real(0.0)) }
     out { outValue: f64 }
     presence strict work 1;
+    c Value("rpi_ceil(inValue)");
     pure |(a,): (f64,)| (libm::ceil(a),)
 }
 
@@ -96,6 +104,7 @@ primitive! {
     in { inValue: f64 = Value(Real(0.0)) }
     out { outValue: f64 }
     presence strict work 1;
+    c Value("rpi_round(inValue)");
     pure |(a,): (f64,)| (libm::round(a),)
 }
 
@@ -105,6 +114,7 @@ primitive! {
     in { inValue: f64 = Value(Real(0.0)) }
     out { outValue: f64 }
     presence strict work 30;
+    c Value("rpi_exp(inValue)");
     pure |(a,): (f64,)| (libm::exp(a),)
 }
 
@@ -114,6 +124,7 @@ primitive! {
     in { inValue: f64 = Value(Real(0.0)) }
     out { outValue: f64 }
     presence strict work 40;
+    c Value("rpi_tanh(inValue)");
     pure |(a,): (f64,)| (libm::tanh(a),)
 }
 
@@ -123,5 +134,6 @@ primitive! {
     in { inValue: f64 = Value(Real(0.0)) }
     out { outValue: f64 }
     presence strict work 30;
+    c Value("rpi_atan(inValue)");
     pure |(a,): (f64,)| (libm::atan(a),)
 }

@@ -39,6 +39,7 @@ primitive! {
     in { inFirst: Vector; inSecond: Vector }
     out { outValue: Vector }
     presence strict work 3;
+    c Code("rpi_difference(inFirst, inSecond, 3, outValue);");
     pure |(a, b): (Vector, Vector)| (a - b,)
 }
 
@@ -48,6 +49,7 @@ primitive! {
     in { inValue: Vector }
     out { outValue: Vector }
     presence strict work 3;
+    c Code("rpi_negation(inValue, 3, outValue);");
     pure |(a,): (Vector,)| (-a,)
 }
 
@@ -57,6 +59,7 @@ primitive! {
     in { inValue: Vector; inDivisor: f64 }
     out { outValue: Vector }
     presence strict work 3;
+    c Code("rpi_divided(inValue, inDivisor, 3, outValue);");
     pure |(v, k): (Vector, f64)| (v / k,)
 }
 
@@ -66,6 +69,7 @@ primitive! {
     in { inValue: Vector }
     out { outValue: f64 }
     presence strict work 20;
+    c Value("rpi_norm(inValue)");
     pure |(a,): (Vector,)| (geometry::norm(a),)
 }
 
@@ -76,6 +80,10 @@ primitive! {
     in { inFirst: Pose; inSecond: Vector }
     out { outValue: Vector }
     presence strict work 30;
+    c Code(r"
+rpi_rotate(inFirst + 3, inSecond, outValue);
+rpi_sum(outValue, inFirst, 3, outValue);
+");
     pure |(pose, point): (Pose, Vector)| (pose.rotation * point + pose.translation.vector,)
 }
 
@@ -85,6 +93,7 @@ primitive! {
     in { inValue: Rotation }
     out { outValue: Vector }
     presence strict work 60;
+    c Code("rpi_to_rotation_vector(inValue, outValue);");
     pure |(r,): (Rotation,)| (geometry::log(r),)
 }
 
@@ -94,6 +103,7 @@ primitive! {
     in { inValue: Vector }
     out { outValue: Rotation }
     presence strict work 90;
+    c Code("rpi_from_axis(inValue, outValue);");
     pure |(v,): (Vector,)| (geometry::exp(v),)
 }
 
@@ -103,6 +113,12 @@ primitive! {
     in { inValue: Rotation; inExponent: f64 }
     out { outValue: Rotation }
     presence strict work 150;
+    c Code(r"
+double vector[3];
+rpi_to_rotation_vector(inValue, vector);
+rpi_scaled(vector, inExponent, 3, vector);
+rpi_from_axis(vector, outValue);
+");
     pure |(r, k): (Rotation, f64)| (geometry::exp(geometry::log(r) * k),)
 }
 
@@ -112,6 +128,7 @@ primitive! {
     in { inFirst: Twist; inSecond: Twist }
     out { outValue: Twist }
     presence strict work 6;
+    c Code("rpi_difference(inFirst, inSecond, 6, outValue);");
     pure |(a, b): (Twist, Twist)| (Twist { linear: a.linear - b.linear, angular: a.angular - b.angular },)
 }
 
@@ -121,6 +138,7 @@ primitive! {
     in { inValue: Twist }
     out { outValue: Twist }
     presence strict work 6;
+    c Code("rpi_negation(inValue, 6, outValue);");
     pure |(t,): (Twist,)| (Twist { linear: -t.linear, angular: -t.angular },)
 }
 
@@ -130,6 +148,7 @@ primitive! {
     in { inValue: Twist; inFactor: f64 = Factor(Real(1.0)) }
     out { outValue: Twist }
     presence strict work 6;
+    c Code("rpi_scaled(inValue, inFactor, 6, outValue);");
     pure |(t, k): (Twist, f64)| (Twist { linear: t.linear * k, angular: t.angular * k },)
 }
 
@@ -139,6 +158,7 @@ primitive! {
     in { inValue: Twist; inDivisor: f64 }
     out { outValue: Twist }
     presence strict work 6;
+    c Code("rpi_divided(inValue, inDivisor, 6, outValue);");
     pure |(t, k): (Twist, f64)| (Twist { linear: t.linear / k, angular: t.angular / k },)
 }
 
@@ -148,6 +168,7 @@ primitive! {
     in { inFirst: Wrench; inSecond: Wrench }
     out { outValue: Wrench }
     presence strict work 6;
+    c Code("rpi_sum(inFirst, inSecond, 6, outValue);");
     pure |(a, b): (Wrench, Wrench)| (Wrench { force: a.force + b.force, torque: a.torque + b.torque },)
 }
 
@@ -157,6 +178,7 @@ primitive! {
     in { inFirst: Wrench; inSecond: Wrench }
     out { outValue: Wrench }
     presence strict work 6;
+    c Code("rpi_difference(inFirst, inSecond, 6, outValue);");
     pure |(a, b): (Wrench, Wrench)| (Wrench { force: a.force - b.force, torque: a.torque - b.torque },)
 }
 
@@ -166,6 +188,7 @@ primitive! {
     in { inValue: Wrench }
     out { outValue: Wrench }
     presence strict work 6;
+    c Code("rpi_negation(inValue, 6, outValue);");
     pure |(w,): (Wrench,)| (Wrench { force: -w.force, torque: -w.torque },)
 }
 
@@ -175,6 +198,7 @@ primitive! {
     in { inValue: Wrench; inFactor: f64 = Factor(Real(1.0)) }
     out { outValue: Wrench }
     presence strict work 6;
+    c Code("rpi_scaled(inValue, inFactor, 6, outValue);");
     pure |(w, k): (Wrench, f64)| (Wrench { force: w.force * k, torque: w.torque * k },)
 }
 
@@ -184,6 +208,7 @@ primitive! {
     in { inValue: Wrench; inDivisor: f64 }
     out { outValue: Wrench }
     presence strict work 6;
+    c Code("rpi_divided(inValue, inDivisor, 6, outValue);");
     pure |(w, k): (Wrench, f64)| (Wrench { force: w.force / k, torque: w.torque / k },)
 }
 
@@ -193,6 +218,10 @@ primitive! {
     in { inValue: Wrench; inRot: Rotation }
     out { outValue: Wrench }
     presence strict work 40;
+    c Code(r"
+rpi_rotate(inRot, inValue, outValue);
+rpi_rotate(inRot, inValue + 3, outValue + 3);
+");
     pure |(w, r): (Wrench, Rotation)| (Wrench { force: r * w.force, torque: r * w.torque },)
 }
 
@@ -202,6 +231,10 @@ primitive! {
     in { inValue: Wrench }
     out { outForce: Vector; outTorque: Vector }
     presence strict work 6;
+    c Code(r"
+memcpy(outForce, inValue, 3U * sizeof outForce[0]);
+memcpy(outTorque, inValue + 3, 3U * sizeof outTorque[0]);
+");
     pure |(w,): (Wrench,)| (w.force, w.torque)
 }
 
@@ -211,6 +244,10 @@ primitive! {
     in { inForce: Vector; inTorque: Vector }
     out { outValue: Wrench }
     presence strict work 6;
+    c Code(r"
+memcpy(outValue, inForce, 3U * sizeof outValue[0]);
+memcpy(outValue + 3, inTorque, 3U * sizeof outValue[0]);
+");
     pure |(force, torque): (Vector, Vector)| (Wrench { force, torque },)
 }
 
@@ -220,6 +257,7 @@ primitive! {
     in { inFirst: Vector; inSecond: Vector }
     out { outValue: bool }
     presence strict work 3;
+    c Value("rpi_equal(inFirst, inSecond, 3)");
     pure |(a, b): (Vector, Vector)| (a == b,)
 }
 
@@ -229,6 +267,7 @@ primitive! {
     in { inFirst: Rotation; inSecond: Rotation }
     out { outValue: bool }
     presence strict work 8;
+    c Value("rpi_same_rotation(inFirst, inSecond)");
     pure |(a, b): (Rotation, Rotation)| (geometry::is_same(a, b),)
 }
 
@@ -238,6 +277,7 @@ primitive! {
     in { inFirst: Pose; inSecond: Pose }
     out { outValue: bool }
     presence strict work 11;
+    c Value("rpi_equal(inFirst, inSecond, 3) && rpi_same_rotation(inFirst + 3, inSecond + 3)");
     pure |(a, b): (Pose, Pose)| (a.translation.vector == b.translation.vector && geometry::is_same(a.rotation, b.rotation),)
 }
 
@@ -247,6 +287,7 @@ primitive! {
     in { inFirst: Twist; inSecond: Twist }
     out { outValue: bool }
     presence strict work 6;
+    c Value("rpi_equal(inFirst, inSecond, 6)");
     pure |(a, b): (Twist, Twist)| (a.linear == b.linear && a.angular == b.angular,)
 }
 
@@ -256,5 +297,6 @@ primitive! {
     in { inFirst: Wrench; inSecond: Wrench }
     out { outValue: bool }
     presence strict work 6;
+    c Value("rpi_equal(inFirst, inSecond, 6)");
     pure |(a, b): (Wrench, Wrench)| (a.force == b.force && a.torque == b.torque,)
 }

@@ -38,6 +38,7 @@ primitive! {
     in { inValue: i64 }
     out { outValue: f64 }
     presence strict work 3;
+    c Value("rpi_seconds(inValue)");
     full |cx, _, _, _, (ticks,)| (cx.time.seconds(ticks),)
 }
 
@@ -48,6 +49,7 @@ primitive! {
     in { inValue: f64 }
     out { outValue: i64 }
     presence strict work 10 faults;
+    c Value("rpi_ticks(cx, at, inValue)");
     full |cx, place, _, _, (seconds,)| (ticks_or_fault(cx, place, seconds),)
 }
 
@@ -68,5 +70,6 @@ primitive! {
     in { inValue: f64 }
     out { outValue: i64 }
     presence strict work 10;
+    c Value("rpi_saturated_ticks(inValue)");
     full |cx, _, _, _, (seconds,)| (whole_ticks(seconds, cx.time.tick_ns),)
 }
