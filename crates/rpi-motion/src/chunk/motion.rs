@@ -216,7 +216,8 @@ impl ChunkMotion {
             true => controls.speed_share.min(1.0),
             false => 0.0,
         };
-        if self.pending.is_ready() {
+        // A pause stops the arm on its present curve: a policy that goes on would lead it along with each new one.
+        if self.pending.is_ready() && share > 0.0 {
             self.enter(share);
         } else {
             let at = match self.pending.is_appended {

@@ -219,3 +219,23 @@ fn a_late_chunk_stops_the_arm_on_its_path_and_the_next_one_moves_it_on() {
         }
     }
 }
+
+/// A policy goes on while the arm pauses: its new chunks do not move the arm.
+#[test]
+fn a_pause_stops_the_arm_while_chunks_go_on_coming() {
+    for model in ARMS {
+        for seed in 0..10 {
+            let kind = tracked(&mut Random::new(seed));
+            let mut session = Session::new(model, kind, seed);
+            session.run_chunks(5);
+            session.set_paused(true);
+            session.rests_for(2.0 * braking_time(model) + 0.5);
+            assert!(session.rests_for(3.0), "{} seed {seed} moves", model.id);
+            session.set_paused(false);
+            session.run_chunks(6);
+            let error = session.error();
+            assert!(error < 0.06, "{} seed {seed}: {error}", model.id);
+            assert!(session.watch.is_within(), "{:?}", session.watch.worst);
+        }
+    }
+}

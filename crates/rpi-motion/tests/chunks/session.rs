@@ -248,6 +248,24 @@ impl Session {
         }
     }
 
+    /// Pauses the motion, or lets it go on. The policy goes on in both cases.
+    pub(crate) fn set_paused(&mut self, paused: bool) {
+        self.controls.paused = paused;
+    }
+
+    /// Sends chunks until `duration` seconds have passed. Returns true if the arm was at rest in every cycle.
+    pub(crate) fn rests_for(&mut self, duration: f64) -> bool {
+        let (end, rested, cycles) = (self.time + duration, self.outcome.at_rest, self.outcome.errors.len());
+        while self.time < end {
+            self.send();
+            while self.sent.as_ref().is_some_and(|sent| self.time < sent.arrives) {
+                self.cycle(true);
+            }
+            self.receive();
+        }
+        self.outcome.at_rest - rested == self.outcome.errors.len() - cycles
+    }
+
     /// Distance of the last set-point from the curve of the policy, rad.
     pub(crate) fn error(&self) -> f64 {
         self.outcome.errors.last().copied().unwrap_or(f64::NAN)
