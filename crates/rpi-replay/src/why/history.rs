@@ -53,7 +53,7 @@ impl History {
         history
     }
 
-    /// Adds the values of a cycle that has just been evaluated. The oldest cycles are dropped if there is no room.
+    /// Adds the values of a cycle that has been evaluated, before its delays are stored. The oldest cycles are dropped if there is no room.
     pub fn add(&mut self, instance: &Instance) {
         let fragments = instance.image().fragments.len();
         let active: Box<[bool]> = (0..).map(|k| instance.is_active(k)).take(fragments).collect();
@@ -71,8 +71,7 @@ impl History {
             self.frames.pop_front();
         }
         self.frames.push_back(Frame {
-            // A command counts a cycle when it ends.
-            cycle: instance.cycle().saturating_sub(1),
+            cycle: instance.cycle(),
             words,
             present,
             active,

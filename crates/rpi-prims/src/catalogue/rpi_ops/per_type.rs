@@ -84,6 +84,10 @@ if (*s0) {
                 out { outArray: Array<$t> }
                 shape ShapeRule::Computed(super::concatenated::<$t>);
                 presence strict work 8;
+                c Code(r"
+memcpy(outArray, inFirst, (size_t)inFirst_len * SLOTS(outArray) * sizeof outArray[0]);
+memcpy(outArray + (size_t)inFirst_len * SLOTS(outArray), inSecond, (size_t)inSecond_len * SLOTS(outArray) * sizeof outArray[0]);
+");
                 bulk |cx, _, (), (first, second), (to,)| {
                     let (head, tail) = to.split_at(first.len());
                     head.copy(cx.slots, first, 0);
