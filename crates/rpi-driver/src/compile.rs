@@ -124,7 +124,9 @@ pub fn compile_with(
     };
     // Images and nets have no flows with names but those that they export.
     let unknown = options.watch.into_iter();
-    compiled.unknown_flows = unknown.map(|name| UnknownFlow { name, near: None }).collect();
+    compiled.unknown_flows = unknown
+        .map(|name| UnknownFlow { name, near: None })
+        .collect();
     Ok(compiled)
 }
 

@@ -119,7 +119,8 @@ fn build_roots(
     }
     let (tasks, commands) = task::tasks(front, diagnostics);
     let nets = commands.into_iter();
-    let nets = nets.filter_map(|command| instance_net(front, command, (options, &watch), &mut instances));
+    let nets =
+        nets.filter_map(|command| instance_net(front, command, (options, &watch), &mut instances));
     roots.nets.extend(nets);
     diagnostics.extend(instances.merge());
     roots.tasks = tasks;

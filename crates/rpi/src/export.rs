@@ -70,8 +70,9 @@ fn select<'r>(run: &'r RunData, names: &[String]) -> Result<Vec<ExportColumn<'r>
             return Err(format!("the recording has no column `{name}`{help}").into());
         }
     }
-    let is_selected =
-        |column: &ExportColumn<'_>| names.is_empty() || names.iter().any(|name| selects(name, column));
+    let is_selected = |column: &ExportColumn<'_>| {
+        names.is_empty() || names.iter().any(|name| selects(name, column))
+    };
     Ok(all.into_iter().filter(is_selected).collect())
 }
 
@@ -89,18 +90,29 @@ impl Cursor {
     /// Returns the value of a column at a tick, which is not smaller than the one of the last call; `None` if it has none.
     fn value(&mut self, of: &ExportColumn<'_>, tick: u64) -> Option<f64> {
         let ticks = &of.topic.ticks;
-        while ticks.get(self.interval).is_some_and(|range| range.end <= tick) {
+        while ticks
+            .get(self.interval)
+            .is_some_and(|range| range.end <= tick)
+        {
             let passed = &ticks[self.interval];
             self.before += usize::try_from(passed.end - passed.start).ok()?;
             self.interval += 1;
         }
-        let range = ticks.get(self.interval).filter(|range| range.contains(&tick))?;
+        let range = ticks
+            .get(self.interval)
+            .filter(|range| range.contains(&tick))?;
         let row = self.before + usize::try_from(tick - range.start).ok()?;
         let absent = &of.column.absent;
-        while absent.get(self.absent).is_some_and(|range| range.end <= row) {
+        while absent
+            .get(self.absent)
+            .is_some_and(|range| range.end <= row)
+        {
             self.absent += 1;
         }
-        match absent.get(self.absent).is_some_and(|range| range.contains(&row)) {
+        match absent
+            .get(self.absent)
+            .is_some_and(|range| range.contains(&row))
+        {
             true => None,
             false => of.column.values.get(row).copied(),
         }
@@ -115,7 +127,11 @@ fn write_csv(run: &RunData, columns: &[ExportColumn<'_>], to: impl Write) -> io:
         "" => column.name.clone(),
         unit => format!("{} [{unit}]", column.name),
     });
-    table.write_record(["tick".to_owned(), "time [s]".to_owned()].into_iter().chain(names))?;
+    table.write_record(
+        ["tick".to_owned(), "time [s]".to_owned()]
+            .into_iter()
+            .chain(names),
+    )?;
     let mut cursors = vec![Cursor::default(); columns.len()];
     for tick in run.ticks.clone() {
         let values: Vec<Option<f64>> = columns
@@ -130,7 +146,9 @@ fn write_csv(run: &RunData, columns: &[ExportColumn<'_>], to: impl Write) -> io:
         table.write_field(tick.to_string())?;
         table.write_field(format!("{time:.9}"))?;
         for (column, value) in columns.iter().zip(values) {
-            table.write_field(value.map_or_else(String::new, |value| text(column.column.kind, value)))?;
+            table.write_field(
+                value.map_or_else(String::new, |value| text(column.column.kind, value)),
+            )?;
         }
         table.write_record(None::<&[u8]>)?;
     }

@@ -63,17 +63,33 @@ fn as_text(summary: &RecordingSummary, path: &Path) -> String {
     };
     line("program", summary.program.clone());
     let (start, end) = (summary.ticks.start, summary.ticks.end);
-    line("time", format!("{:.3} s to {:.3} s, {} ticks of {}", seconds(start), seconds(end), end - start, rpi_driver::format_duration(summary.tick_ns)));
+    line(
+        "time",
+        format!(
+            "{:.3} s to {:.3} s, {} ticks of {}",
+            seconds(start),
+            seconds(end),
+            end - start,
+            rpi_driver::format_duration(summary.tick_ns)
+        ),
+    );
     line("devices", summary.devices.join(", "));
     for command in &summary.commands {
         let times = match command.ended {
-            Some(ended) => format!("{:.3} s to {:.3} s", seconds(command.started), seconds(ended)),
+            Some(ended) => format!(
+                "{:.3} s to {:.3} s",
+                seconds(command.started),
+                seconds(ended)
+            ),
             None => format!("from {:.3} s on", seconds(command.started)),
         };
         line("command", format!("{}, {times}", command.name));
     }
     for (file, size) in files(path) {
-        line("file", format!("{}, {:.2} MB", file.display(), size as f64 * 1e-6));
+        line(
+            "file",
+            format!("{}, {:.2} MB", file.display(), size as f64 * 1e-6),
+        );
     }
     if summary.lost > 0 {
         line("lost", format!("{} ticks are missing", summary.lost));
@@ -88,9 +104,9 @@ fn as_json(summary: &RecordingSummary, path: &Path) -> serde_json::Value {
     let commands = summary.commands.iter().map(|command| {
         serde_json::json!({"name": command.name, "started": command.started, "ended": command.ended})
     });
-    let files = files(path).into_iter().map(|(file, size)| {
-        serde_json::json!({"path": file.display().to_string(), "bytes": size})
-    });
+    let files = files(path)
+        .into_iter()
+        .map(|(file, size)| serde_json::json!({"path": file.display().to_string(), "bytes": size}));
     serde_json::json!({
         "program": summary.program,
         "tick_ns": summary.tick_ns,

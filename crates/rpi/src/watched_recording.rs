@@ -66,7 +66,10 @@ pub(crate) fn compiled_again(
         )
         .into());
     }
-    Ok((watched, images.into_iter().map(|(_, image)| image).collect()))
+    Ok((
+        watched,
+        images.into_iter().map(|(_, image)| image).collect(),
+    ))
 }
 
 /// Returns the program of a recording, with the options that its cell demands.

@@ -62,7 +62,10 @@ pub(crate) fn why_command(args: &WhyArgs) -> CommandResult {
 
 /// Returns the exported ports of a net that a name selects, with their names in the command.
 fn asked_ports<'n>(net: &'n AnalysedNet, flow: &str) -> Vec<(&'n AnalysedNet, String, PortRef)> {
-    let Some(inside) = flow.strip_prefix(&net.name).and_then(|rest| rest.strip_prefix('.')) else {
+    let Some(inside) = flow
+        .strip_prefix(&net.name)
+        .and_then(|rest| rest.strip_prefix('.'))
+    else {
         return Vec::new();
     };
     let is_asked = |key: &str| {
@@ -70,15 +73,22 @@ fn asked_ports<'n>(net: &'n AnalysedNet, flow: &str) -> Vec<(&'n AnalysedNet, St
         rest.is_some_and(|rest| rest.is_empty() || rest.starts_with(['.', '[']))
     };
     let exports = net.exports.iter().filter(|export| is_asked(&export.key));
-    exports.map(|export| (net, export.key.clone(), export.source)).collect()
+    exports
+        .map(|export| (net, export.key.clone(), export.source))
+        .collect()
 }
 
 fn not_one_value(flow: &str, asked: &[(&AnalysedNet, String, PortRef)]) -> String {
-    let names = asked.iter().map(|(net, name, _)| format!("{}.{name}", net.name));
+    let names = asked
+        .iter()
+        .map(|(net, name, _)| format!("{}.{name}", net.name));
     let names: Vec<String> = names.take(8).collect();
     match names.is_empty() {
         true => format!("`{flow}` is the name of a command; name a flow inside of it"),
-        false => format!("`{flow}` has several values; choose one: {}", names.join(", ")),
+        false => format!(
+            "`{flow}` has several values; choose one: {}",
+            names.join(", ")
+        ),
     }
 }
 
@@ -107,7 +117,8 @@ fn history(
     if let Some(difference) = report.difference {
         return Err(format!("the replay differs from the recording: {difference}").into());
     }
-    let (_, history, tick) = found.ok_or_else(|| format!("{} does not run up to this time", net.name))?;
+    let (_, history, tick) =
+        found.ok_or_else(|| format!("{} does not run up to this time", net.name))?;
     Ok((history, tick))
 }
 

@@ -10,7 +10,11 @@ fn rpi(arguments: &[&str]) -> (i32, String, String) {
         .output()
         .unwrap();
     let text = |bytes: &[u8]| String::from_utf8_lossy(bytes).into_owned();
-    (output.status.code().unwrap(), text(&output.stdout), text(&output.stderr))
+    (
+        output.status.code().unwrap(),
+        text(&output.stdout),
+        text(&output.stderr),
+    )
 }
 
 /// Records the first example. Returns the folder with the file `run.mcap`.
@@ -32,8 +36,14 @@ fn info_says_what_a_recording_has() {
     assert_eq!(info["program"], "first.rpi", "{text}");
     assert_eq!(info["devices"], serde_json::json!(["arm"]));
     let command = &info["commands"][0];
-    let ticks = (command["started"].as_u64().unwrap(), command["ended"].as_u64().unwrap());
-    assert!(ticks.0 < ticks.1 && ticks.1 < info["end_tick"].as_u64().unwrap(), "{text}");
+    let ticks = (
+        command["started"].as_u64().unwrap(),
+        command["ended"].as_u64().unwrap(),
+    );
+    assert!(
+        ticks.0 < ticks.1 && ticks.1 < info["end_tick"].as_u64().unwrap(),
+        "{text}"
+    );
     let size = std::fs::metadata(&file).unwrap().len();
     assert_eq!(info["files"][0]["bytes"], size);
     assert!(info["cut"].is_null());
@@ -49,13 +59,19 @@ fn a_recording_that_was_cut_off_is_recovered_once() {
     let (_, text, _) = rpi(&["recording", "info", &file]);
     assert!(text.contains("\ncut off"), "{text}");
     let (status, text, message) = rpi(&["recording", "recover", &file]);
-    assert!(status == 0 && text.contains("recovered, with"), "{text}{message}");
+    assert!(
+        status == 0 && text.contains("recovered, with"),
+        "{text}{message}"
+    );
     assert!(std::fs::read(&file).unwrap().ends_with(b"\x89MCAP0\r\n"));
     let (_, text, _) = rpi(&["recording", "recover", &file]);
     assert!(text.contains("complete already"), "{text}");
     let (status, text, message) = rpi(&["replay", &file]);
     // What was lost is said; up to there, the replay has the same bits.
-    assert!(status == 1 && text.contains("the same bits up to there"), "{text}{message}");
+    assert!(
+        status == 1 && text.contains("the same bits up to there"),
+        "{text}{message}"
+    );
 }
 
 #[test]
@@ -76,14 +92,22 @@ fn a_file_that_is_no_recording_is_refused() {
 fn export_selects_columns_and_times() {
     let (_folder, file) = recorded();
     let column = "/set_points/arm/joints[3]";
-    let (status, table, message) = rpi(&["export", &file, "--column", column, "--from", "100ms", "--to", "200ms"]);
+    let (status, table, message) = rpi(&[
+        "export", &file, "--column", column, "--from", "100ms", "--to", "200ms",
+    ]);
     assert_eq!(status, 0, "{message}");
     let mut lines = table.lines();
-    assert_eq!(lines.next(), Some("tick,time [s],/set_points/arm/joints[3] [rad]"));
+    assert_eq!(
+        lines.next(),
+        Some("tick,time [s],/set_points/arm/joints[3] [rad]")
+    );
     assert_eq!(lines.clone().count(), 100);
     let first: Vec<&str> = lines.next().unwrap().split(',').collect();
     assert_eq!(first[..2], ["100", "0.100000000"]);
     assert!(first[2].parse::<f64>().is_ok());
     let (status, _, message) = rpi(&["export", &file, "--column", "/set_points/arn"]);
-    assert!(status == 2 && message.contains("did you mean `/set_points/arm"), "{message}");
+    assert!(
+        status == 2 && message.contains("did you mean `/set_points/arm"),
+        "{message}"
+    );
 }

@@ -50,9 +50,14 @@ fn run(program: &Path, options: &[&str]) -> (i32, String, Rows) {
     let mut rows = Rows::new();
     for line in std::fs::read_to_string(&record).unwrap_or_default().lines() {
         let row: serde_json::Value = serde_json::from_str(line).unwrap();
-        let (cycle, flow) = (row["cycle"].as_u64().unwrap(), row["flow"].as_str().unwrap());
+        let (cycle, flow) = (
+            row["cycle"].as_u64().unwrap(),
+            row["flow"].as_str().unwrap(),
+        );
         let value = row["value"].to_string();
-        rows.entry(flow.to_owned()).or_default().push((cycle, value));
+        rows.entry(flow.to_owned())
+            .or_default()
+            .push((cycle, value));
     }
     let message = String::from_utf8_lossy(&output.stderr).into_owned();
     (output.status.code().unwrap(), message, rows)
@@ -68,7 +73,9 @@ fn with_program(check: impl FnOnce(&Path)) {
 /// Returns the rows of the flows whose names end with `name`.
 fn rows<'r>(rows: &'r Rows, name: &str) -> &'r [(u64, String)] {
     let mut found = rows.iter().filter(|(flow, _)| flow.ends_with(name));
-    let (_, values) = found.next().unwrap_or_else(|| panic!("no {name}: {:?}", rows.keys()));
+    let (_, values) = found
+        .next()
+        .unwrap_or_else(|| panic!("no {name}: {:?}", rows.keys()));
     values
 }
 
@@ -78,7 +85,10 @@ fn flows_of_calls_and_fragments_are_recorded_under_their_paths() {
         let (status, message, watched) = run(program, &["--watch", "Main"]);
         assert_eq!(status, 0, "{message}");
         let numbers = |name: &str| -> Vec<f64> {
-            rows(&watched, name).iter().filter_map(|(_, value)| value.parse().ok()).collect()
+            rows(&watched, name)
+                .iter()
+                .filter_map(|(_, value)| value.parse().ok())
+                .collect()
         };
         let level = numbers("level");
         let inner = numbers("level.inner.y");
@@ -86,7 +96,10 @@ fn flows_of_calls_and_fragments_are_recorded_under_their_paths() {
         assert_eq!(level, sums);
         assert_eq!(numbers("level.inner.last")[1..], inner[..inner.len() - 1]);
         // A flow of a fragment has values only while the fragment is active.
-        assert_eq!(numbers("Late.from_three"), [0.0, 1.0, 2.0, 3.0, 4.0, 5.0, 6.0]);
+        assert_eq!(
+            numbers("Late.from_three"),
+            [0.0, 1.0, 2.0, 3.0, 4.0, 5.0, 6.0]
+        );
         assert_eq!(numbers("Late.slow.y").len(), 7);
     });
 }
@@ -95,7 +108,10 @@ fn flows_of_calls_and_fragments_are_recorded_under_their_paths() {
 fn a_watched_call_stands_for_the_flows_inside() {
     with_program(|program| {
         let (_, _, watched) = run(program, &["--watch", "Main.level.inner"]);
-        let inside = watched.keys().filter(|flow| flow.contains("inner.")).count();
+        let inside = watched
+            .keys()
+            .filter(|flow| flow.contains("inner."))
+            .count();
         assert_eq!(inside, 3, "{:?}", watched.keys());
         assert!(!watched.keys().any(|flow| flow.contains("Late")));
     });
@@ -106,7 +122,10 @@ fn an_unknown_flow_is_an_error_with_a_suggestion() {
     with_program(|program| {
         let (status, message, _) = run(program, &["--watch", "Main.level.iner"]);
         assert_ne!(status, 0);
-        assert!(message.contains("did you mean `Main.level.inner`"), "{message}");
+        assert!(
+            message.contains("did you mean `Main.level.inner`"),
+            "{message}"
+        );
     });
 }
 
@@ -120,7 +139,14 @@ fn watching_changes_no_value() {
     ] {
         let program = root.join(program);
         let (status, message, plain) = run(&program, &["--time", "4s"]);
-        let options = ["--time", "4s", "--watch", commands[0], "--watch", commands[1]];
+        let options = [
+            "--time",
+            "4s",
+            "--watch",
+            commands[0],
+            "--watch",
+            commands[1],
+        ];
         let (watched_status, watched_message, watched) = run(&program, &options);
         assert_eq!(status, watched_status, "{message}{watched_message}");
         assert!(watched.len() > plain.len() + 20, "{}", watched.len());
@@ -150,19 +176,35 @@ fn flows_that_were_not_recorded_are_computed_again() {
         let folder = tempfile::tempdir().unwrap();
         let file = |name: &str| folder.path().join(name).to_str().unwrap().to_owned();
         let rpi = |arguments: &[&str]| {
-            let output = Command::new(env!("CARGO_BIN_EXE_rpi")).args(arguments).output().unwrap();
+            let output = Command::new(env!("CARGO_BIN_EXE_rpi"))
+                .args(arguments)
+                .output()
+                .unwrap();
             let message = String::from_utf8_lossy(&output.stderr).into_owned();
             assert_eq!(output.status.code(), Some(0), "{message}");
             String::from_utf8(output.stdout).unwrap()
         };
         let program = program.to_str().unwrap();
         rpi(&["run", program, "--record", &file("plain.mcap")]);
-        rpi(&["run", program, "--record", &file("watched.mcap"), "--watch", "Main"]);
+        rpi(&[
+            "run",
+            program,
+            "--record",
+            &file("watched.mcap"),
+            "--watch",
+            "Main",
+        ]);
         let plain = columns(&rpi(&["export", &file("plain.mcap")]));
-        assert!(!plain.keys().any(|name| name.contains("inner")), "{plain:?}");
+        assert!(
+            !plain.keys().any(|name| name.contains("inner")),
+            "{plain:?}"
+        );
         let watched = columns(&rpi(&["export", &file("watched.mcap")]));
         let replayed = columns(&rpi(&["export", &file("plain.mcap"), "--watch", "Main"]));
         assert_eq!(watched, replayed);
-        assert_eq!(replayed["/command/Main/Late.from_three"], ["0", "1", "2", "3", "4", "5", "6"]);
+        assert_eq!(
+            replayed["/command/Main/Late.from_three"],
+            ["0", "1", "2", "3", "4", "5", "6"]
+        );
     });
 }

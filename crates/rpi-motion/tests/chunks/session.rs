@@ -255,10 +255,18 @@ impl Session {
 
     /// Sends chunks until `duration` seconds have passed. Returns true if the arm was at rest in every cycle.
     pub(crate) fn rests_for(&mut self, duration: f64) -> bool {
-        let (end, rested, cycles) = (self.time + duration, self.outcome.at_rest, self.outcome.errors.len());
+        let (end, rested, cycles) = (
+            self.time + duration,
+            self.outcome.at_rest,
+            self.outcome.errors.len(),
+        );
         while self.time < end {
             self.send();
-            while self.sent.as_ref().is_some_and(|sent| self.time < sent.arrives) {
+            while self
+                .sent
+                .as_ref()
+                .is_some_and(|sent| self.time < sent.arrives)
+            {
                 self.cycle(true);
             }
             self.receive();

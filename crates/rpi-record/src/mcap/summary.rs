@@ -59,7 +59,12 @@ impl Recording {
             program: self.program.clone(),
             tick_ns: self.tick_ns,
             ticks: ticks.unwrap_or(0..0),
-            devices: self.cell.devices.iter().map(|device| device.name.clone()).collect(),
+            devices: self
+                .cell
+                .devices
+                .iter()
+                .map(|device| device.name.clone())
+                .collect(),
             commands: commands(&self.events),
             lost: self.lost,
             cut: self.cut.clone(),

@@ -81,7 +81,9 @@ struct View<'a> {
 impl View<'_> {
     /// Returns the ports that are connected to the in-ports with these numbers.
     fn ports(&self, numbers: impl IntoIterator<Item = usize>) -> Causes {
-        let ports = numbers.into_iter().filter_map(|k| self.node.inputs.get(k)?.port());
+        let ports = numbers
+            .into_iter()
+            .filter_map(|k| self.node.inputs.get(k)?.port());
         Causes::Ports(ports.map(|port| (port, self.cycle)).collect())
     }
 

@@ -46,8 +46,12 @@ impl History {
             let Some(port) = port.and_then(|port| u8::try_from(port).ok()) else {
                 continue;
             };
-            history.probes.insert((probe.location, port), history.places.len());
-            history.places.push((probe.value, probe.fragment, history.words));
+            history
+                .probes
+                .insert((probe.location, port), history.places.len());
+            history
+                .places
+                .push((probe.value, probe.fragment, history.words));
             history.words += probe.value.ty.slots() as usize;
         }
         history
@@ -56,7 +60,10 @@ impl History {
     /// Adds the values of a cycle that has been evaluated, before its delays are stored. The oldest cycles are dropped if there is no room.
     pub fn add(&mut self, instance: &Instance) {
         let fragments = instance.image().fragments.len();
-        let active: Box<[bool]> = (0..).map(|k| instance.is_active(k)).take(fragments).collect();
+        let active: Box<[bool]> = (0..)
+            .map(|k| instance.is_active(k))
+            .take(fragments)
+            .collect();
         let mut words = vec![0; self.words].into_boxed_slice();
         let mut present = vec![false; self.places.len()].into_boxed_slice();
         for (k, &(signal, fragment, at)) in self.places.iter().enumerate() {

@@ -107,7 +107,11 @@ impl Slice<'_> {
                 condition,
             } => {
                 let fragment = self.net.fragment(fragment);
-                let name = fragment.origin.flow.clone().unwrap_or_else(|| fragment.name.clone());
+                let name = fragment
+                    .origin
+                    .flow
+                    .clone()
+                    .unwrap_or_else(|| fragment.name.clone());
                 let inactive = self.push(WhyStep {
                     of: Some(step),
                     name: format!("the fragment {name} is inactive"),
@@ -147,7 +151,11 @@ impl Slice<'_> {
     fn flow_name(&self, port: PortRef) -> Option<String> {
         let node = self.net.node(port.node);
         let flow = node.origin.flow.as_deref()?;
-        let is_part = node.name.rsplit('.').next().is_some_and(|name| name.contains('#'));
+        let is_part = node
+            .name
+            .rsplit('.')
+            .next()
+            .is_some_and(|name| name.contains('#'));
         (!is_part).then(|| strip_unnamed_calls(flow))
     }
 
@@ -167,7 +175,8 @@ impl Slice<'_> {
     fn root(&mut self, step: usize, text: String, cycle: u64) {
         let of = &self.answer.steps[step];
         let span = of.span;
-        let is_known = |known: &WhyStep| known.of == Some(step) && known.is_root && known.name == text;
+        let is_known =
+            |known: &WhyStep| known.of == Some(step) && known.is_root && known.name == text;
         if text == "a constant" || self.answer.steps.iter().any(is_known) {
             return;
         }
@@ -189,7 +198,11 @@ impl Slice<'_> {
 }
 
 fn value_text(net: &Net, history: &History, port: PortRef, cycle: u64) -> String {
-    let ty = net.node(port.node).outputs.get(usize::from(port.port)).copied();
+    let ty = net
+        .node(port.node)
+        .outputs
+        .get(usize::from(port.port))
+        .copied();
     match (history.value(port, cycle), ty) {
         (Some(words), Some(ty)) => rpi_literal::write(words, ty),
         _ => "absent".to_owned(),

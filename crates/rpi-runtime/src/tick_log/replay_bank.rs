@@ -401,6 +401,9 @@ mod tests {
         assert_eq!(read(&mut player, 3), Some(9));
         assert_eq!(read(&mut player, 3), None);
         player.end_accesses();
-        assert!(matches!(player.mismatch(), Some(Mismatch::SetPoint { port: 4, .. })));
+        assert!(matches!(
+            player.mismatch(),
+            Some(Mismatch::SetPoint { port: 4, .. })
+        ));
     }
 }

@@ -247,7 +247,11 @@ pub(super) fn sized_params(prim: PrimId, given: &[(&str, u32)]) -> Vec<Value> {
 /// Returns the array of type `ty` with these leaves (scalar parts) if all are constant.
 pub(super) fn constant_array(wire: &[Signal], ty: Type) -> Option<Value> {
     let values: Option<Vec<Value>> = wire.iter().map(constant).collect();
-    let cells = values?.iter().flat_map(|leaf| leaf.slots()).copied().collect();
+    let cells = values?
+        .iter()
+        .flat_map(|leaf| leaf.slots())
+        .copied()
+        .collect();
     Some(Value::Slots { ty, cells })
 }
 

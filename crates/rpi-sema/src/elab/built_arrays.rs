@@ -30,7 +30,9 @@ pub(super) fn build_array(
     span: Span,
 ) -> Option<PortRef> {
     match ty {
-        Type::Array(scalar, _) if wire.len() > PIECE => concatenate_halves(elab, wire, scalar, at, span),
+        Type::Array(scalar, _) if wire.len() > PIECE => {
+            concatenate_halves(elab, wire, scalar, at, span)
+        }
         _ => set_elements(elab, wire, ty, at, span),
     }
 }
@@ -46,7 +48,11 @@ fn concatenate_halves(
 ) -> Option<PortRef> {
     let pieces = wire.len().div_ceil(PIECE);
     let (first, second) = wire.split_at(pieces.div_ceil(2) * PIECE);
-    let ty = |half: &[Signal]| u32::try_from(half.len()).ok().map(|n| Type::Array(scalar, n));
+    let ty = |half: &[Signal]| {
+        u32::try_from(half.len())
+            .ok()
+            .map(|n| Type::Array(scalar, n))
+    };
     let mut inputs = Inputs::new();
     for half in [first, second] {
         inputs.push(half_input(elab, half, ty(half)?, at, span)?);

@@ -62,11 +62,7 @@ pub(super) struct Watch {
 }
 
 /// Exports the selected flows of a unit whose body has been elaborated at the position `at`.
-pub(super) fn export_watched<'u>(
-    elab: &mut Elaborator<'u>,
-    scope: &mut Scope<'u>,
-    at: Position,
-) {
+pub(super) fn export_watched<'u>(elab: &mut Elaborator<'u>, scope: &mut Scope<'u>, at: Position) {
     if elab.watch.selection.is_empty() || elab.mode != ElabMode::Net {
         return;
     }
@@ -122,7 +118,12 @@ pub(super) fn drop_repeated(elab: &mut Elaborator<'_>) {
     if elab.watch.selection.is_empty() {
         return;
     }
-    let known: FastSet<&str> = elab.net.exports.iter().map(|port| port.key.as_str()).collect();
+    let known: FastSet<&str> = elab
+        .net
+        .exports
+        .iter()
+        .map(|port| port.key.as_str())
+        .collect();
     let mut kept = std::mem::take(&mut elab.kept_exports);
     kept.retain(|port| !known.contains(port.key.as_str()));
     elab.kept_exports = kept;

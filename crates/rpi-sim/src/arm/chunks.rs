@@ -96,7 +96,11 @@ impl Chunks {
             true => self.read_chunk(arm, rows, target),
             false => Ok(()),
         };
-        let share = if controls.paused { 0.0 } else { controls.speed_share };
+        let share = if controls.paused {
+            0.0
+        } else {
+            controls.speed_share
+        };
         let converted = taken.and_then(|()| self.convert(arm, share * self.period));
         if let Err(code) = converted {
             self.rejected = code;
@@ -115,7 +119,9 @@ impl Chunks {
         match rows {
             RowKind::Joints => self.read_joints(&heading, count * arm.axes(), slots),
             RowKind::Poses => {
-                let poses = slots.get(..count * POSE_SLOTS).ok_or(ErrorCode::CHUNK_INVALID)?;
+                let poses = slots
+                    .get(..count * POSE_SLOTS)
+                    .ok_or(ErrorCode::CHUNK_INVALID)?;
                 self.poses.accept(heading, poses, arm, &self.at);
                 Ok(())
             }
@@ -132,7 +138,10 @@ impl Chunks {
         let (positions, velocities) = arrays.split_at(arrays.len() / 2);
         let positions = positions.get(..count).ok_or(ErrorCode::CHUNK_INVALID)?;
         copy(positions, &mut self.positions);
-        copy(&velocities[..count.min(velocities.len())], &mut self.velocities);
+        copy(
+            &velocities[..count.min(velocities.len())],
+            &mut self.velocities,
+        );
         self.take(heading, *with_velocities != 0)
     }
 
@@ -152,7 +161,9 @@ impl Chunks {
             velocities: with_velocities.then_some(&self.velocities[..]),
             age: heading.age,
         };
-        self.motion.take(&chunk, &heading.options).map_err(code_of)?;
+        self.motion
+            .take(&chunk, &heading.options)
+            .map_err(code_of)?;
         (self.accepted, self.rejected) = (heading.number, ErrorCode::OK);
         Ok(())
     }
@@ -184,7 +195,16 @@ impl Chunks {
 /// are too few slots or too many rows.
 fn heading_of(target: &[u64]) -> Option<(Heading, usize, &[u64])> {
     let (head, slots) = target.split_first_chunk::<HEAD>()?;
-    let [number, rows, period, age, appended, weight, frozen, smoothing] = *head;
+    let [
+        number,
+        rows,
+        period,
+        age,
+        appended,
+        weight,
+        frozen,
+        smoothing,
+    ] = *head;
     let options = ChunkOptions {
         seam: match appended != 0 {
             true => Seam::Append,
@@ -201,7 +221,9 @@ fn heading_of(target: &[u64]) -> Option<(Heading, usize, &[u64])> {
         options,
     };
     // A negative number of rows is more than any chunk has.
-    let rows = usize::try_from(rows).ok().filter(|rows| *rows <= MAX_ROWS)?;
+    let rows = usize::try_from(rows)
+        .ok()
+        .filter(|rows| *rows <= MAX_ROWS)?;
     Some((heading, rows, slots))
 }
 

@@ -74,8 +74,9 @@ impl Recording {
             true => watched::for_each_replayed_tick(self, &mut add)?,
             false => self.for_each_tick(|words| {
                 let tick = LoggedTick::from_words(words);
-                let tick = tick
-                    .ok_or_else(|| RecordingError::Damaged("invalid tick in the tick log".into()))?;
+                let tick = tick.ok_or_else(|| {
+                    RecordingError::Damaged("invalid tick in the tick log".into())
+                })?;
                 add(&tick)?;
                 Ok(tick.number < ticks.end)
             })?,

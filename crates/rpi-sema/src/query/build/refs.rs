@@ -10,7 +10,8 @@ use rpi_diag::Span;
 use rpi_syntax::Name;
 use rpi_syntax::ast::{
     Access, Activation, Arg, Branch, Call, ClockValue, ExprKind, Match, NamedType, NextStep,
-    Pattern, Quantified, ResultPattern, SliceBounds, StaticArg, StaticValue, StructExpr, TypeKind, Unit,
+    Pattern, Quantified, ResultPattern, SliceBounds, StaticArg, StaticValue, StructExpr, TypeKind,
+    Unit,
 };
 
 /// Resolves all names that have been recorded for resolution, and determines for each definition which members it has.

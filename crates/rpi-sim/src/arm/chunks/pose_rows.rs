@@ -63,7 +63,8 @@ impl PoseRows {
     pub(super) fn accept(&mut self, heading: Heading, slots: &[u64], arm: &Arm, near: &Joints) {
         let (poses, _) = slots.as_chunks::<POSE_SLOTS>();
         self.poses.clear();
-        self.poses.extend(poses.iter().take(MAX_ROWS).map(|pose| pose_from(pose)));
+        self.poses
+            .extend(poses.iter().take(MAX_ROWS).map(|pose| pose_from(pose)));
         self.heading = Some(heading);
         self.converted = 0;
         self.near = *near;
