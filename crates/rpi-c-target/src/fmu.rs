@@ -11,7 +11,7 @@ use rpi_codegen::Fmu;
 pub fn package(fmu: &Fmu, compiler: &CCompiler) -> Result<Vec<u8>, CTargetError> {
     let library = compiler.build(&fmu.source, &["-shared", "-fPIC", "-fvisibility=hidden"])?;
     let path = library.path();
-    let library = std::fs::read(&path);
+    let library = rpi_files::read_unchanged(&path, rpi_files::MAX_PROGRAM);
     let library = library.map_err(|e| CTargetError(format!("{}: {e}", path.display())))?;
     let name = &fmu.name;
     let system = match std::env::consts::OS {

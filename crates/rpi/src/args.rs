@@ -7,7 +7,6 @@ use clap::{Args, Parser, Subcommand, ValueEnum, value_parser};
 use rpi_cli::{CompilerArgs, ExecutionTarget, Shell, TargetArgs, VERSION};
 use rpi_driver::ClaimPolicy;
 use rpi_runtime::realtime::{CommandOverrunPolicy, OverrunPolicy, RealTime, SchedulingOptions};
-use rpi_runtime::run::InputSetting;
 use rpi_serve::{OnLoss, SocketSettings};
 
 use crate::budget_args::BudgetArgs;
@@ -18,6 +17,7 @@ use crate::recording_args::RecordingArgs;
 use crate::recording_verbs::RecordingCommand;
 use crate::robot_args::{CellCommand, RobotCommand};
 use crate::socket_arg::parse_socket;
+use crate::target_args::Target;
 use crate::teach::TeachArgs;
 use crate::view_args::ViewArgs;
 use crate::why::WhyArgs;
@@ -110,33 +110,6 @@ pub(crate) enum CliCommand {
         /// Folder into which the manual pages are written.
         folder: PathBuf,
     },
-}
-
-/// Options that select the command to run, its cell, its period and its end.
-#[derive(Args, Debug)]
-pub(crate) struct Target {
-    /// Cell description with the devices; default: `cell.toml` beside the program.
-    #[arg(long, value_name = "FILE")]
-    pub(crate) cell: Option<PathBuf>,
-    /// Command or task to run, if the program has several.
-    #[arg(long, value_name = "NAME")]
-    pub(crate) command: Option<String>,
-    /// Period of the cycle, such as 1ms; default: that of the image, else 1ms.
-    #[arg(long, value_parser = rpi_driver::parse_duration, value_name = "TIME")]
-    pub(crate) period: Option<u64>,
-    /// Stop the run after this number of cycles.
-    #[arg(long, value_name = "N", conflicts_with = "time", value_parser = value_parser!(u64).range(1..))]
-    pub(crate) cycles: Option<u64>,
-    /// Stop the run after this time, such as 10s, on the clock of the cell (simulated or real).
-    #[arg(long, value_parser = rpi_driver::parse_duration, value_name = "TIME")]
-    pub(crate) time: Option<u64>,
-    /// Set an input of the command before the start; may be repeated.
-    #[arg(long = "set", value_name = "KEY=VALUE")]
-    pub(crate) settings: Vec<InputSetting>,
-    /// Watch a flow that the program does not export, named by its command and the path to it, such as
-    /// `Move.Approach.way.travelled`; a command, call or fragment stands for all flows inside. May be repeated.
-    #[arg(long, value_name = "FLOW")]
-    pub(crate) watch: Vec<String>,
 }
 
 /// Options of `rpi run`.

@@ -7,11 +7,11 @@ use rpi_runtime::latency::{CycleTiming, MeasuringOptions, measure, verdict};
 use rpi_runtime::realtime::{RealTime, SchedulingOptions, TimeBase};
 use rpi_runtime::run::{self, Limits, RunOptions};
 
-use crate::args::Target;
 use crate::exit::{CommandResult, Exit};
 use crate::latency_args::LatencyArgs;
 use crate::program;
 use crate::target;
+use crate::target_args::Target;
 
 /// Carries out `rpi latency`: measures the wake-up delay of a thread, and prints the shortest period that the machine
 /// can meet.

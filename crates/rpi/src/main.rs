@@ -32,6 +32,7 @@ mod run_report;
 mod serve;
 mod socket_arg;
 mod target;
+mod target_args;
 mod teach;
 mod trace;
 mod view;

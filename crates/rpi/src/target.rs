@@ -9,9 +9,9 @@ use rpi_image::Image;
 use rpi_serve::TaskBundle;
 use rpi_sim::Cell;
 
-use crate::args::Target;
 use crate::cell_file;
 use crate::program;
+use crate::target_args::Target;
 
 /// Default period of a command in nanoseconds: 1 ms.
 pub(crate) const PERIOD: u64 = 1_000_000;

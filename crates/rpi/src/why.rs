@@ -41,10 +41,11 @@ pub(crate) fn why_command(args: &WhyArgs) -> CommandResult {
         rpi_driver::lower_for_observation,
     )?;
     let nets = compiled.nets().iter();
-    let asked: Vec<(&AnalysedNet, String, PortRef)> =
-        nets.flat_map(|net| asked_ports(net, &args.flow)).collect();
-    let [(net, name, port)] = &asked[..] else {
-        return Err(not_one_value(&args.flow, &asked).into());
+    let requested: Vec<(&AnalysedNet, String, PortRef)> = nets
+        .flat_map(|net| requested_ports(net, &args.flow))
+        .collect();
+    let [(net, name, port)] = &requested[..] else {
+        return Err(not_one_value(&args.flow, &requested).into());
     };
     let (history, last_tick) = history(&recording, net, args.at)?;
     let cycle = history
@@ -61,25 +62,31 @@ pub(crate) fn why_command(args: &WhyArgs) -> CommandResult {
 }
 
 /// Returns the exported ports of a net that a name selects, with their names in the command.
-fn asked_ports<'n>(net: &'n AnalysedNet, flow: &str) -> Vec<(&'n AnalysedNet, String, PortRef)> {
+fn requested_ports<'n>(
+    net: &'n AnalysedNet,
+    flow: &str,
+) -> Vec<(&'n AnalysedNet, String, PortRef)> {
     let Some(inside) = flow
         .strip_prefix(&net.name)
         .and_then(|rest| rest.strip_prefix('.'))
     else {
         return Vec::new();
     };
-    let is_asked = |key: &str| {
+    let is_requested = |key: &str| {
         let rest = key.strip_prefix(inside);
         rest.is_some_and(|rest| rest.is_empty() || rest.starts_with(['.', '[']))
     };
-    let exports = net.exports.iter().filter(|export| is_asked(&export.key));
+    let exports = net
+        .exports
+        .iter()
+        .filter(|export| is_requested(&export.key));
     exports
         .map(|export| (net, export.key.clone(), export.source))
         .collect()
 }
 
-fn not_one_value(flow: &str, asked: &[(&AnalysedNet, String, PortRef)]) -> String {
-    let names = asked
+fn not_one_value(flow: &str, requested: &[(&AnalysedNet, String, PortRef)]) -> String {
+    let names = requested
         .iter()
         .map(|(net, name, _)| format!("{}.{name}", net.name));
     let names: Vec<String> = names.take(8).collect();

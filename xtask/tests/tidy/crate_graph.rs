@@ -17,6 +17,7 @@ const EDGES: &[(&str, &[&str])] = &[
             "rpi-codegen",
             "rpi-core",
             "rpi-device",
+            "rpi-files",
             "rpi-image",
             "rpi-prims",
         ],

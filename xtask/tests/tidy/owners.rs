@@ -14,6 +14,7 @@ const OWNERS: &[(&str, &[&str])] = &[
     ("clap_complete", &["rpi-cli"]),
     ("clap_mangen", &["rpi-cli"]),
     ("crc32fast", &["rpi-record"]),
+    ("csv", &["rpi"]),
     ("flate2", &["rpi-files", "rpi-testkit", "rpi-view"]),
     ("form_urlencoded", &["rpi-serve"]),
     ("hashbrown", &["rpi-lower", "rpi-net"]),
@@ -73,6 +74,7 @@ const OWNERS: &[(&str, &[&str])] = &[
     (
         "serde_json",
         &[
+            "rpi",
             "rpi-client",
             "rpi-diag",
             "rpi-lsp",

@@ -193,8 +193,8 @@ fn short_name(name: &str) -> &str {
         .into_iter()
         .find(|operation| name.ends_with(operation))
         .unwrap_or_else(|| match name {
-            "Core::BooleanAnd" | "Rpi::BooleanAnd" => "And",
-            "Core::BooleanOr" | "Rpi::BooleanOr" => "Or",
+            "Core::BooleanAnd" => "And",
+            "Core::BooleanOr" => "Or",
             _ => "",
         })
 }

@@ -1,7 +1,7 @@
 //! Accepts connections, each on its own thread, as far as there are [places](super::places).
 
 use std::io::{self, Write};
-use std::net::{Shutdown, TcpListener, TcpStream};
+use std::net::{TcpListener, TcpStream};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::thread;
@@ -76,8 +76,7 @@ impl Acceptor {
         let Ok(other_end) = other_end else {
             return;
         };
-        let close = move || drop(other_end.shutdown(Shutdown::Both));
-        let (place, evicted) = self.places.enter(peer, Box::new(close));
+        let (place, evicted) = self.places.enter(peer, Box::new(other_end));
         if let Some(evicted) = evicted {
             self.log_rejection(evicted, RejectReason::TooManyConnections);
         }
@@ -380,8 +379,7 @@ impl Acceptor {
         let Ok(other_end) = ready.and_then(|()| stream.try_clone()) else {
             return;
         };
-        let close = move || drop(other_end.shutdown(Shutdown::Both));
-        let (place, admission) = self.places.enter_socket(Box::new(close));
+        let (place, admission) = self.places.enter_socket(Box::new(other_end));
         let mut who = Identity::unnamed(Peer::Local, role);
         who.is_emergency_only = admission == Admission::EmergencyOnly;
         if who.is_emergency_only {

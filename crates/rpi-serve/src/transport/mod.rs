@@ -9,6 +9,7 @@ mod http;
 mod listener;
 mod memory_pool;
 mod metered_stream;
+mod open_connection;
 mod outbox;
 mod places;
 #[cfg_attr(not(feature = "tls"), path = "no_tls.rs")]

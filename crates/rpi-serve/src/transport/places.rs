@@ -14,8 +14,14 @@ use crate::fair_share::Usage;
 use crate::limits::Limits;
 use crate::peer::Peer;
 
-/// Function that closes a connection from another thread.
-pub(super) type Closer = Box<dyn Fn() + Send>;
+/// Connection as the table of connections sees it, from another thread than that of the connection.
+pub(super) trait OpenConnection: Send {
+    /// Closes the connection.
+    fn close(&self);
+
+    /// Returns whether the client has sent data that the server has not read yet.
+    fn has_unread_data(&self) -> bool;
+}
 
 /// Kind of a connection. The number of connections is limited for each kind separately.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
@@ -35,7 +41,7 @@ struct Entry {
     kind: PlaceKind,
     /// Time at which the connection is closed; `None` if it may stay open.
     deadline: Option<Instant>,
-    close: Closer,
+    connection: Box<dyn OpenConnection>,
 }
 
 #[derive(Default)]
@@ -88,23 +94,27 @@ impl Places {
         self.table.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
-    /// Adds a new, unauthenticated connection over the network to the table. `close` closes the connection. Returns
-    /// also the peer of a connection that was closed to make room; `None` if none was closed.
-    pub(super) fn enter(&self, peer: Peer, close: Closer) -> (Place, Option<Peer>) {
+    /// Adds a new, unauthenticated connection over the network to the table. Returns also the peer of a connection that was
+    /// closed to make room; `None` if none was closed.
+    pub(super) fn enter(
+        &self,
+        peer: Peer,
+        connection: Box<dyn OpenConnection>,
+    ) -> (Place, Option<Peer>) {
         let mut table = self.lock();
         let kind = PlaceKind::Unauthenticated;
         let evicted = table.make_room(kind, self.limits.places.unauthenticated);
         let deadline = Instant::now() + self.limits.request_timeout;
-        let key = table.insert(peer, kind, (Some(deadline), close));
+        let key = table.insert(peer, kind, (Some(deadline), connection));
         (self.place(key), evicted)
     }
 
     /// Adds a connection at a Unix socket to the table. If too many clients are at the sockets, the client may only
-    /// request the emergency stop. `close` closes the connection.
-    pub(super) fn enter_socket(&self, close: Closer) -> (Place, Admission) {
+    /// request the emergency stop.
+    pub(super) fn enter_socket(&self, connection: Box<dyn OpenConnection>) -> (Place, Admission) {
         let mut table = self.lock();
         let is_full = table.count(PlaceKind::Socket) >= self.limits.places.socket;
-        let key = table.insert(Peer::Local, PlaceKind::Socket, (None, close));
+        let key = table.insert(Peer::Local, PlaceKind::Socket, (None, connection));
         let admission = match is_full {
             false => Admission::Admitted,
             true => table.keep_for_stop(key, &self.limits),
@@ -119,7 +129,7 @@ impl Places {
         table.entries.retain(|_, entry| {
             let is_over = entry.deadline.is_some_and(|deadline| deadline < now);
             if is_over {
-                (entry.close)();
+                entry.connection.close();
             }
             !is_over
         });
@@ -191,14 +201,14 @@ impl Table {
         &mut self,
         peer: Peer,
         kind: PlaceKind,
-        (deadline, close): (Option<Instant>, Closer),
+        (deadline, connection): (Option<Instant>, Box<dyn OpenConnection>),
     ) -> u64 {
         self.given += 1;
         let entry = Entry {
             peer,
             kind,
             deadline,
-            close,
+            connection,
         };
         self.entries.insert(self.given, entry);
         self.given
@@ -226,8 +236,9 @@ impl Table {
         Admission::EmergencyOnly
     }
 
-    /// If `limit` connections of this kind are open, closes the oldest one of the peer with most of them and returns
-    /// the peer. Returns `None` if no connection had to be closed.
+    /// If `limit` connections of this kind are open, closes one of the peer with most of them and returns the peer: the
+    /// oldest one that is silent. A connection with unread data waits for the server, and is closed only if all do.
+    /// Returns `None` if no connection had to be closed.
     fn make_room(&mut self, kind: PlaceKind, limit: usize) -> Option<Peer> {
         if self.count(kind) < limit {
             return None;
@@ -235,11 +246,11 @@ impl Table {
         let of_kind = self.entries.iter().filter(|(_, entry)| entry.kind == kind);
         // The oldest among equals: `max_by_key` returns the last one, so the order is reversed.
         let oldest = of_kind.rev();
-        let (key, peer) = oldest
-            .map(|(key, entry)| (*key, entry.peer))
-            .max_by_key(|(_, peer)| (self.count_of(kind, *peer), *peer))?;
+        let (key, peer, _) = oldest
+            .map(|(key, entry)| (*key, entry.peer, !entry.connection.has_unread_data()))
+            .max_by_key(|(_, peer, is_silent)| (self.count_of(kind, *peer), *peer, *is_silent))?;
         if let Some(entry) = self.entries.remove(&key) {
-            (entry.close)();
+            entry.connection.close();
         }
         Some(peer)
     }
@@ -262,25 +273,62 @@ mod tests {
         Places::new(limits)
     }
 
-    /// Closer that stores the number of a connection when it is closed.
-    fn closer(closed: &Arc<AtomicUsize>, number: usize) -> Closer {
-        let closed = Arc::clone(closed);
-        Box::new(move || closed.store(number, Ordering::Relaxed))
+    /// Connection that stores its number when it is closed.
+    struct Numbered {
+        closed: Arc<AtomicUsize>,
+        number: usize,
+        has_unread_data: bool,
+    }
+
+    impl OpenConnection for Numbered {
+        fn close(&self) {
+            self.closed.store(self.number, Ordering::Relaxed);
+        }
+
+        fn has_unread_data(&self) -> bool {
+            self.has_unread_data
+        }
+    }
+
+    fn silent(closed: &Arc<AtomicUsize>, number: usize) -> Box<dyn OpenConnection> {
+        Box::new(Numbered {
+            closed: Arc::clone(closed),
+            number,
+            has_unread_data: false,
+        })
+    }
+
+    /// On a busy machine, many connections can come before the server reads the request of one.
+    #[test]
+    fn a_connection_with_a_waiting_request_outlives_silent_ones() {
+        let (places, closed) = (places(), Arc::new(AtomicUsize::new(0)));
+        let waiting = Numbered {
+            closed: Arc::clone(&closed),
+            number: 9,
+            has_unread_data: true,
+        };
+        let (honest, _) = places.enter(peer(1), Box::new(waiting));
+        let crowd: Vec<Place> = (1..=20)
+            .map(|number| places.enter(peer(1), silent(&closed, number)).0)
+            .collect();
+        assert_eq!(closed.load(Ordering::Relaxed), 17);
+        assert_eq!(honest.admit(), Admission::Admitted);
+        drop(crowd);
     }
 
     #[test]
     fn the_oldest_silent_connection_of_the_busiest_peer_makes_room() {
         let (places, closed) = (places(), Arc::new(AtomicUsize::new(0)));
-        let (honest, _) = places.enter(peer(9), closer(&closed, 9));
-        let mut silent = Vec::new();
+        let (honest, _) = places.enter(peer(9), silent(&closed, 9));
+        let mut others = Vec::new();
         for number in 1..=3 {
-            silent.push(places.enter(peer(1), closer(&closed, number)).0);
+            others.push(places.enter(peer(1), silent(&closed, number)).0);
         }
         assert_eq!(closed.load(Ordering::Relaxed), 0);
-        let (_last, evicted) = places.enter(peer(1), closer(&closed, 4));
+        let (_last, evicted) = places.enter(peer(1), silent(&closed, 4));
         assert_eq!(evicted, Some(peer(1)));
         assert_eq!(closed.load(Ordering::Relaxed), 1);
-        assert_eq!(silent[0].admit(), Admission::Closed);
+        assert_eq!(others[0].admit(), Admission::Closed);
         assert_eq!(honest.admit(), Admission::Admitted);
     }
 
@@ -289,7 +337,7 @@ mod tests {
         let (places, closed) = (places(), Arc::new(AtomicUsize::new(0)));
         let admitted: Vec<_> = (0..10)
             .map(|number| {
-                let (place, _) = places.enter(peer(1), closer(&closed, number));
+                let (place, _) = places.enter(peer(1), silent(&closed, number));
                 (place.admit(), place)
             })
             .collect();
@@ -301,7 +349,7 @@ mod tests {
             7,
             "the oldest kept ones end"
         );
-        let (other, _) = places.enter(peer(2), closer(&closed, 99));
+        let (other, _) = places.enter(peer(2), silent(&closed, 99));
         assert_eq!(other.admit(), Admission::Admitted);
     }
 
@@ -309,12 +357,12 @@ mod tests {
     fn the_network_takes_no_place_of_a_socket() {
         let (places, closed) = (places(), Arc::new(AtomicUsize::new(0)));
         let network: Vec<_> = (0..20)
-            .map(|number| places.enter(Peer::Local, closer(&closed, number)).0)
+            .map(|number| places.enter(Peer::Local, silent(&closed, number)).0)
             .collect();
         for place in &network {
             let _ = place.admit();
         }
-        let sockets = [(); 3].map(|()| places.enter_socket(closer(&closed, 0)));
+        let sockets = [(); 3].map(|()| places.enter_socket(silent(&closed, 0)));
         let admissions = sockets.each_ref().map(|(_, admission)| *admission);
         use Admission::{Admitted, EmergencyOnly};
         assert_eq!(admissions, [Admitted, Admitted, EmergencyOnly]);
@@ -327,7 +375,7 @@ mod tests {
             ..Limits::default()
         };
         let (places, closed) = (Places::new(limits), Arc::new(AtomicUsize::new(0)));
-        let (place, _) = places.enter(peer(1), closer(&closed, 5));
+        let (place, _) = places.enter(peer(1), silent(&closed, 5));
         std::thread::sleep(Duration::from_millis(2));
         places.expire();
         assert_eq!(closed.load(Ordering::Relaxed), 5);

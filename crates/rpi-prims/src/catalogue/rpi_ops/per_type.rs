@@ -70,7 +70,7 @@ if (*s0) {
                 /// Outputs the constant array in the parameter `Value` in every cycle.
                 ARRAY_VALUE = concat!("Rpi::", $name, "ArrayValue");
                 in {}
-                param { Value: Array<$t> = Neutral }
+                param { Value: Array<$t> = Required }
                 out { outValue: Array<$t> }
                 shape ShapeRule::SameAsParam("Value");
                 presence always work 0;

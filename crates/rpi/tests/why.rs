@@ -1,0 +1,90 @@
+//! `rpi why` on programs with a known cause. Each file `tests/why/NAME.rpi` begins with the question; `NAME.txt` is the answer.
+//! `RPI_BLESS=1` writes the answers.
+
+use std::path::{Path, PathBuf};
+use std::process::Command;
+
+fn folder() -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR")).join("../../tests/why")
+}
+
+fn rpi(arguments: &[&str]) -> (i32, String, String) {
+    let mut command = Command::new(env!("CARGO_BIN_EXE_rpi"));
+    let output = command
+        .args(arguments)
+        .current_dir(folder())
+        .env("NO_COLOR", "1")
+        .output()
+        .unwrap();
+    let text = |bytes: &[u8]| String::from_utf8_lossy(bytes).into_owned();
+    (
+        output.status.code().unwrap(),
+        text(&output.stdout),
+        text(&output.stderr),
+    )
+}
+
+fn programs() -> Vec<PathBuf> {
+    let files = std::fs::read_dir(folder())
+        .unwrap()
+        .map(|entry| entry.unwrap().path());
+    let mut files: Vec<PathBuf> = files
+        .filter(|file| file.extension().is_some_and(|end| end == "rpi"))
+        .collect();
+    files.sort();
+    files
+}
+
+#[test]
+fn the_slice_names_the_cause_and_nothing_beside_it() {
+    let programs = programs();
+    assert!(programs.len() >= 12);
+    for program in programs {
+        let text = std::fs::read_to_string(&program).unwrap();
+        let question = text
+            .lines()
+            .next()
+            .and_then(|line| line.strip_prefix("--| why "));
+        let flow = question.unwrap_or_else(|| panic!("{} asks nothing", program.display()));
+        let recorded = tempfile::tempdir().unwrap();
+        let file = recorded.path().join("run.mcap");
+        let (name, file) = (
+            program.file_name().unwrap().to_str().unwrap(),
+            file.to_str().unwrap(),
+        );
+        let (status, _, message) = rpi(&["run", name, "--record", file]);
+        assert_eq!(status, 0, "{name}: {message}");
+        let (status, answer, message) = rpi(&["why", file, flow]);
+        assert_eq!(status, 0, "{name}: {message}");
+        let answer: String = answer
+            .lines()
+            .map(|line| format!("{}\n", line.trim_end()))
+            .collect();
+        let expected = program.with_extension("txt");
+        if std::env::var_os("RPI_BLESS").is_some() {
+            std::fs::write(&expected, &answer).unwrap();
+        }
+        let expected = std::fs::read_to_string(&expected).unwrap_or_default();
+        assert_eq!(answer, expected, "{name}");
+    }
+}
+
+#[test]
+fn a_question_without_one_value_is_refused_with_a_way_out() {
+    let recorded = tempfile::tempdir().unwrap();
+    let file = recorded.path().join("run.mcap");
+    let file = file.to_str().unwrap();
+    assert_eq!(rpi(&["run", "through-a-call.rpi", "--record", file]).0, 0);
+    let (status, _, message) = rpi(&["why", file, "Main.alram"]);
+    assert!(
+        status == 2 && message.contains("did you mean `Main.alarm`"),
+        "{message}"
+    );
+    let (status, _, message) = rpi(&["why", file, "Main.alarm"]);
+    assert!(status == 2 && message.contains("choose one"), "{message}");
+    let (status, _, message) = rpi(&["why", file, "Main"]);
+    assert!(
+        status == 2 && message.contains("Main.pressure"),
+        "{message}"
+    );
+}
