@@ -44,6 +44,10 @@ pub use ratio::{acos, asin};
 pub use root::{cbrt, hypot};
 pub use sine::{cos, sin, sincos, tan};
 
+/// Version of the results of the functions. It is one more after each change of a bit of any result, because recordings of
+/// runs contain it. Version 0 is the crate `libm`, which was used before.
+pub const REVISION: u32 = 1;
+
 /// The functions in C99 that is also C++17, as texts of definitions. Each definition follows a line `/*# name */` and
 /// uses only definitions before it.
 ///

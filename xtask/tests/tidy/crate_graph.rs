@@ -8,10 +8,14 @@ use xtask::{Package, packages};
 const EDGES: &[(&str, &[&str])] = &[
     ("rpi-image", &[]),
     ("rpi-device", &["rpi-image"]),
-    ("rpi-prims", &["rpi-device", "rpi-image", "rpi-kin"]),
+    (
+        "rpi-prims",
+        &["rpi-device", "rpi-image", "rpi-kin", "rpi-math"],
+    ),
     ("rpi-core", &["rpi-device", "rpi-image", "rpi-prims"]),
-    ("rpi-kin", &[]),
-    ("rpi-motion", &["rpi-kin"]),
+    ("rpi-math", &[]),
+    ("rpi-kin", &["rpi-math"]),
+    ("rpi-motion", &["rpi-kin", "rpi-math"]),
     (
         "rpi-sim",
         &[
@@ -19,6 +23,7 @@ const EDGES: &[(&str, &[&str])] = &[
             "rpi-files",
             "rpi-image",
             "rpi-kin",
+            "rpi-math",
             "rpi-motion",
         ],
     ),
@@ -82,6 +87,7 @@ const EDGES: &[(&str, &[&str])] = &[
             "rpi-image",
             "rpi-kin",
             "rpi-literal",
+            "rpi-math",
             "rpi-runtime",
             "rpi-sim",
             "rpi-words",
@@ -230,6 +236,7 @@ const NO_STD: &[&str] = &[
     "rpi-device",
     "rpi-image",
     "rpi-kin",
+    "rpi-math",
     "rpi-motion",
     "rpi-prims",
 ];

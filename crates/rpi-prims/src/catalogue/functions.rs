@@ -11,7 +11,7 @@ primitive! {
     in { inValue: f64 = Value(Real(1.0)) }
     out { outValue: f64 }
     presence strict work 20;
-    pure |(x,)| (libm::sin(x),)
+    pure |(x,)| (rpi_math::sin(x),)
 }
 
 primitive! {
@@ -20,7 +20,7 @@ primitive! {
     in { inValue: f64 = Value(Real(1.0)) }
     out { outValue: f64 }
     presence strict work 20;
-    pure |(x,)| (libm::cos(x),)
+    pure |(x,)| (rpi_math::cos(x),)
 }
 
 primitive! {
@@ -29,7 +29,7 @@ primitive! {
     in { inValue: f64 = Value(Real(1.0)) }
     out { outValue: f64 }
     presence strict work 25;
-    pure |(x,)| (libm::tan(x),)
+    pure |(x,)| (rpi_math::tan(x),)
 }
 
 primitive! {
@@ -38,7 +38,7 @@ primitive! {
     in { inValue: f64 = Value(Real(1.0)) }
     out { outValue: f64 }
     presence strict work 20;
-    pure |(x,)| (libm::asin(x),)
+    pure |(x,)| (rpi_math::asin(x),)
 }
 
 primitive! {
@@ -47,7 +47,7 @@ primitive! {
     in { inValue: f64 = Value(Real(1.0)) }
     out { outValue: f64 }
     presence strict work 20;
-    pure |(x,)| (libm::acos(x),)
+    pure |(x,)| (rpi_math::acos(x),)
 }
 
 primitive! {
@@ -56,7 +56,7 @@ primitive! {
     in { inY: f64 = Y(Real(1.0)); inX: f64 = X(Real(1.0)) }
     out { outValue: f64 }
     presence strict work 30;
-    pure |(y, x)| (libm::atan2(y, x),)
+    pure |(y, x)| (rpi_math::atan2(y, x),)
 }
 
 primitive! {
@@ -65,7 +65,7 @@ primitive! {
     in { inFirst: f64 = First(Real(0.0)); inSecond: f64 = Second(Real(0.0)) }
     out { outValue: f64 }
     presence strict work 60;
-    pure |(a, b)| (libm::pow(a, b),)
+    pure |(a, b)| (rpi_math::pow(a, b),)
 }
 
 primitive! {
@@ -83,5 +83,5 @@ primitive! {
     in { inValue: f64 = Value(Real(0.0)) }
     out { outValue: f64 }
     presence strict work 20;
-    pure |(x,)| (libm::log(x),)
+    pure |(x,)| (rpi_math::log(x),)
 }

@@ -45,6 +45,9 @@ pub struct Recording {
     /// Reason why the recording has no end, such as a missing file or a killed process. `None` for a complete
     /// recording.
     pub cut: Option<String>,
+    /// Version of the elementary functions (sine, logarithm and others) with which the recording was made, as
+    /// [`rpi_math::REVISION`] counts them; 0 for those of the library libm, before recordings contained the version.
+    pub(super) functions: u32,
     parts: Vec<PartSource>,
 }
 
@@ -323,8 +326,14 @@ impl RecordCollection {
             events: self.events,
             lost,
             cut: end.err(),
+            functions: self.functions_version(),
             parts,
         })
+    }
+
+    fn functions_version(&self) -> u32 {
+        let version = self.key("functions").unwrap_or_default();
+        version.parse().unwrap_or(0)
     }
 
     fn cell(&self) -> Result<Cell, RecordingError> {

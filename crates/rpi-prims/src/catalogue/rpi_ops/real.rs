@@ -105,7 +105,7 @@ primitive! {
     in { inValue: f64 = Value(Real(0.0)) }
     out { outValue: f64 }
     presence strict work 30;
-    pure |(a,): (f64,)| (libm::exp(a),)
+    pure |(a,): (f64,)| (rpi_math::exp(a),)
 }
 
 primitive! {
@@ -114,7 +114,7 @@ primitive! {
     in { inValue: f64 = Value(Real(0.0)) }
     out { outValue: f64 }
     presence strict work 40;
-    pure |(a,): (f64,)| (libm::tanh(a),)
+    pure |(a,): (f64,)| (rpi_math::tanh(a),)
 }
 
 primitive! {
@@ -123,5 +123,5 @@ primitive! {
     in { inValue: f64 = Value(Real(0.0)) }
     out { outValue: f64 }
     presence strict work 30;
-    pure |(a,): (f64,)| (libm::atan(a),)
+    pure |(a,): (f64,)| (rpi_math::atan(a),)
 }
