@@ -55,8 +55,7 @@ impl Worst {
         };
         self.count += 1;
         let error = (places(value, nearest) - rest).abs();
-        // Also true for an error that is not a number.
-        if !(error <= self.error) {
+        if error > self.error {
             self.error = error;
             self.arguments = reals[..reals.len() - 2].to_vec();
         }

@@ -10,8 +10,11 @@ use std::process::Command;
 
 use common::report_skip;
 
+type One = fn(f64) -> f64;
+type Two = fn(f64, f64) -> f64;
+
 /// Functions of one argument. Those of two arguments follow.
-const ONE: &[(&str, fn(f64) -> f64)] = &[
+const ONE: &[(&str, One)] = &[
     ("sin", rpi_math::sin),
     ("cos", rpi_math::cos),
     ("tan", rpi_math::tan),
@@ -25,7 +28,7 @@ const ONE: &[(&str, fn(f64) -> f64)] = &[
     ("cbrt", rpi_math::cbrt),
     ("sqrt", libm::sqrt),
 ];
-const TWO: &[(&str, fn(f64, f64) -> f64)] = &[
+const TWO: &[(&str, Two)] = &[
     ("atan2", rpi_math::atan2),
     ("hypot", rpi_math::hypot),
     ("pow", rpi_math::pow),
