@@ -3,12 +3,14 @@
 //! `RPI_MATH_ARGUMENTS` is the number of arguments of each function, by default 200 000.
 
 mod common;
+mod random;
 
 use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
 use std::process::Command;
 
 use common::report_skip;
+use random::random_bits;
 
 type One = fn(f64) -> f64;
 type Two = fn(f64, f64) -> f64;
@@ -67,13 +69,7 @@ const SANITIZERS: &[&str] = &[
 fn arguments() -> Vec<(f64, f64)> {
     let count =
         std::env::var("RPI_MATH_ARGUMENTS").map_or(200_000, |text| text.parse().expect("a number"));
-    let mut state = 88_172_645_463_325_252_u64;
-    let mut bits = move || {
-        state ^= state << 13;
-        state ^= state >> 7;
-        state ^= state << 17;
-        state
-    };
+    let mut bits = random_bits();
     let mut real = move || {
         let (kind, bits) = (bits() % 6, bits());
         let unit = (bits >> 11) as f64 / (1_u64 << 53) as f64;
