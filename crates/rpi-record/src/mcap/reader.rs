@@ -321,12 +321,12 @@ impl RecordCollection {
             program: self.key("program")?.to_owned(),
             continuity: policy_from_keyword(self.key("on_jump")?).unwrap_or_default(),
             cell: self.cell()?,
+            functions: self.functions_version(),
             images: self.images,
             requests: self.requests,
             events: self.events,
             lost,
             cut: end.err(),
-            functions: self.functions_version(),
             parts,
         })
     }
