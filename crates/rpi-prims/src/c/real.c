@@ -178,10 +178,14 @@ static inline double rpi_sqrt(double x) {
 #else
 static double rpi_sqrt(double x) {
   const uint64_t implicit = UINT64_C(0x0010000000000000);
-  uint64_t rest = rpi_bits(x);
+  /* Without the functions for bits, which would be unused where the processor computes the root. */
+  uint64_t rest;
   uint64_t root = 0;
   uint64_t bit = UINT64_C(0x0020000000000000);
-  int32_t exponent = (int32_t)((rest >> 52) & 0x7ffU);
+  int32_t exponent;
+  double result;
+  memcpy(&rest, &x, sizeof rest);
+  exponent = (int32_t)((rest >> 52) & 0x7ffU);
   if (exponent == 0x7ff || (rest >> 63) != 0U || rest == 0U) {
     if (x == 0.0 || (exponent == 0x7ff && !(x < 0.0))) {
       return x;
@@ -219,6 +223,8 @@ static double rpi_sqrt(double x) {
   }
   root += root & 1U;
   root >>= 1;
-  return rpi_real(root + ((uint64_t)(uint32_t)(exponent / 2 + 0x3fe) << 52));
+  root += (uint64_t)(uint32_t)(exponent / 2 + 0x3fe) << 52;
+  memcpy(&result, &root, sizeof result);
+  return result;
 }
 #endif
