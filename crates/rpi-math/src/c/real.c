@@ -59,41 +59,56 @@ static inline double rpi_sqrt(double x) {
   return vget_lane_f64(vsqrt_f64(vdup_n_f64(x)), 0);
 }
 #else
-/* 54 digits of the root of a significand, the last one to round by. */
 static double rpi_sqrt(double x) {
   const uint64_t implicit = UINT64_C(0x0010000000000000);
-  int32_t exponent = rpi_biased_exponent(x);
-  uint64_t rest = rpi_bits(x) & (implicit - 1U);
+  /* Without the functions for bits, which would be unused where the processor computes the root. */
+  uint64_t rest;
   uint64_t root = 0;
-  uint64_t doubled = 0;
-  uint64_t digit;
-  if (rpi_is_nan(x) || x < 0.0) {
-    return rpi_nan();
+  uint64_t bit = UINT64_C(0x0020000000000000);
+  int32_t exponent;
+  double result;
+  memcpy(&rest, &x, sizeof rest);
+  exponent = (int32_t)((rest >> 52) & 0x7ffU);
+  if (exponent == 0x7ff || (rest >> 63) != 0U || rest == 0U) {
+    if (x == 0.0 || (exponent == 0x7ff && !(x < 0.0))) {
+      return x;
+    }
+    return (x - x) / (x - x);
   }
-  if (x == 0.0 || exponent == 0x7ff) {
-    return x;
-  }
+  rest &= implicit - 1U;
   if (exponent == 0) {
-    /* A subnormal number: 2^54 makes it normal, and 2^-27 is the root of its inverse. */
-    return rpi_sqrt(x * 0x1p54) * 0x1p-27;
+    exponent = 1;
+    while (rest < implicit) {
+      rest <<= 1;
+      exponent -= 1;
+    }
+  } else {
+    rest |= implicit;
   }
-  rest |= implicit;
-  exponent -= 1023;
-  if ((exponent % 2) != 0) {
+  exponent -= 0x3ff;
+  if ((exponent & 1) != 0) {
     rest <<= 1;
     exponent -= 1;
   }
+  /* 53 digits and one more to round by. */
   rest <<= 1;
-  for (digit = implicit << 1; digit != 0U; digit >>= 1) {
-    if (doubled + digit <= rest) {
-      rest -= doubled + digit;
-      doubled += digit << 1;
-      root |= digit;
+  {
+    uint64_t partial = 0;
+    for (; bit != 0U; bit >>= 1) {
+      const uint64_t trial = partial + bit;
+      if (trial <= rest) {
+        partial = trial + bit;
+        rest -= trial;
+        root += bit;
+      }
+      rest <<= 1;
     }
-    rest <<= 1;
   }
-  root = (root + 1U) >> 1;
-  return rpi_real(root + ((uint64_t)(uint32_t)(exponent / 2 + 1022) << 52));
+  root += root & 1U;
+  root >>= 1;
+  root += (uint64_t)(uint32_t)(exponent / 2 + 0x3fe) << 52;
+  memcpy(&result, &root, sizeof result);
+  return result;
 }
 #endif
 /*# rpi_rounder */
