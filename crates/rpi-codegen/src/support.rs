@@ -1,15 +1,15 @@
 //! Common functions that the generated text uses.
 
 use crate::identifiers::tokens;
-use rpi_prims::c_code::SUPPORT;
+use rpi_prims::c_code::support;
 use std::collections::{BTreeMap, BTreeSet};
 
-/// Start of the line before each definition in [`SUPPORT`].
+/// Start of the line before each definition in [`support`].
 const MARK: &str = "/*# ";
 
-/// Returns the definitions in [`SUPPORT`]: names and texts, each after those that it uses.
+/// Returns the definitions in [`support`]: names and texts, each after those that it uses.
 fn definitions() -> Vec<(&'static str, &'static str)> {
-    let chunks = SUPPORT.iter().flat_map(|text| text.split(MARK).skip(1));
+    let chunks = support().flat_map(|text| text.split(MARK).skip(1));
     let named = chunks.filter_map(|chunk| chunk.split_once(" */\n"));
     named.collect()
 }

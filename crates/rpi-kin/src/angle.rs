@@ -55,14 +55,14 @@ impl SinCos {
     /// Computes sine and cosine of an angle in rad.
     #[must_use]
     pub fn from_angle(angle: f64) -> Self {
-        let (sin, cos) = libm::sincos(angle);
+        let (sin, cos) = rpi_math::sincos(angle);
         Self { sin, cos }
     }
 
     /// Returns the angle of this sine and cosine in rad, from -π to π.
     #[must_use]
     pub fn angle(self) -> f64 {
-        libm::atan2(self.sin, self.cos)
+        rpi_math::atan2(self.sin, self.cos)
     }
 
     /// Returns sine and cosine of the difference: the angle of `self` minus the angle of `other`.
@@ -85,8 +85,8 @@ mod tests {
             let angle = 0.37 * f64::from(k);
             let wrapped = wrap(angle);
             assert!((-PI..=PI).contains(&wrapped), "{angle} -> {wrapped}");
-            assert!((libm::sin(angle) - libm::sin(wrapped)).abs() < 1e-14);
-            assert!((libm::cos(angle) - libm::cos(wrapped)).abs() < 1e-14);
+            assert!((rpi_math::sin(angle) - rpi_math::sin(wrapped)).abs() < 1e-14);
+            assert!((rpi_math::cos(angle) - rpi_math::cos(wrapped)).abs() < 1e-14);
         }
     }
 

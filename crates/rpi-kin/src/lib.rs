@@ -2,7 +2,7 @@
 //! trajectories of single axes.
 //!
 //! All functions are pure: no allocation, no panic, bounded time, and bit-identical results on every machine (all
-//! transcendental functions are those of `libm`). The crate has no knowledge of devices, cycles, files or clocks.
+//! transcendental functions are those of `rpi-math`). The crate has no knowledge of devices, cycles, files or clocks.
 //!
 //! # Conventions
 //!
@@ -26,6 +26,7 @@ pub mod limits;
 pub mod model;
 pub mod models;
 pub mod opw;
+pub mod rotation;
 pub mod six_axis;
 mod spherical_joint;
 pub mod srs;

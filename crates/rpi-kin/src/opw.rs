@@ -140,18 +140,18 @@ impl Geometry {
     fn arm_angles(&self, wrist: &Vector3<f64>) -> [[f64; 3]; 4] {
         // If the wrist is too near to axis 1, the root is NaN, and so are all solutions: they do not exist.
         let level = libm::sqrt(wrist.x * wrist.x + wrist.y * wrist.y - self.b * self.b);
-        let towards = libm::atan2(wrist.y, wrist.x);
-        let aside = libm::atan2(self.b, level);
+        let towards = rpi_math::atan2(wrist.y, wrist.x);
+        let aside = rpi_math::atan2(self.b, level);
         // The offset `a2` makes the forearm oblique: the triangle uses its true length, and `back` is the angle between
         // the two.
         let fore = libm::sqrt(self.a2 * self.a2 + self.c3 * self.c3);
-        let back = libm::atan2(self.a2, self.c3);
+        let back = rpi_math::atan2(self.a2, self.c3);
         let up = wrist.z - self.c1;
         let both_elbows = |p1: f64, out: f64| {
             let [bend, _] = elbow_bends(self.c2, fore, out * out + up * up);
             let SinCos { sin, cos } = SinCos::from_angle(bend);
-            let line = libm::atan2(out, up);
-            let from_line = libm::atan2(fore * sin, self.c2 + fore * cos);
+            let line = rpi_math::atan2(out, up);
+            let from_line = rpi_math::atan2(fore * sin, self.c2 + fore * cos);
             [
                 [p1, line - from_line, bend - back],
                 [p1, line + from_line, -bend - back],

@@ -34,7 +34,7 @@ impl SphericalJoint {
         let sin = libm::sqrt(to.x * to.x + to.y * to.y);
         let (turn, turned) = if sin > STRAIGHT_TOLERANCE {
             (
-                libm::atan2(to.y, to.x),
+                rpi_math::atan2(to.y, to.x),
                 SinCos {
                     sin: to.y / sin,
                     cos: to.x / sin,
@@ -47,7 +47,7 @@ impl SphericalJoint {
             turn,
             turn_sin_cos: turned,
             // Not `acos(to.z)`: near 0 and half a turn, the arc cosine loses half of the digits.
-            bend: libm::atan2(sin, to.z),
+            bend: rpi_math::atan2(sin, to.z),
             bend_sin_cos: SinCos { sin, cos: to.z },
         }
     }
@@ -69,5 +69,5 @@ impl SphericalJoint {
 pub(crate) fn zyz_angles(x: &Vector3<f64>, z: &Vector3<f64>, open: f64) -> [f64; 3] {
     let ball = SphericalJoint::pointing_at(z, open);
     let rest = ball.inverse_rotate(x);
-    [ball.turn, ball.bend, libm::atan2(rest.y, rest.x)]
+    [ball.turn, ball.bend, rpi_math::atan2(rest.y, rest.x)]
 }

@@ -133,8 +133,8 @@ impl Geometry {
         if sin.is_nan() || sin.abs() > 1.0 + REACH_TOLERANCE {
             return [f64::NAN; 2];
         }
-        let towards = libm::atan2(before_last.y, before_last.x);
-        let aside = libm::asin(sin.clamp(-1.0, 1.0));
+        let towards = rpi_math::atan2(before_last.y, before_last.x);
+        let aside = rpi_math::asin(sin.clamp(-1.0, 1.0));
         [towards + aside, towards + HALF_TURN - aside]
     }
 
@@ -144,10 +144,10 @@ impl Geometry {
     fn shoulder_and_elbow(&self, wrist: &Vector3<f64>, sum: f64) -> [[f64; 2]; 2] {
         let SinCos { sin, cos } = SinCos::from_angle(sum);
         let (x, y) = (wrist.x - self.d5 * sin, wrist.y + self.d5 * cos);
-        let towards = libm::atan2(y, x);
+        let towards = rpi_math::atan2(y, x);
         let [bend, _] = elbow_bends(self.a2, self.a3, x * x + y * y);
         let SinCos { sin, cos } = SinCos::from_angle(bend);
-        let from_line = libm::atan2(self.a3 * sin, self.a2 + self.a3 * cos);
+        let from_line = rpi_math::atan2(self.a3 * sin, self.a2 + self.a3 * cos);
         [[towards - from_line, bend], [towards + from_line, -bend]]
     }
 }

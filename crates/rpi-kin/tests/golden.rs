@@ -117,11 +117,11 @@ fn ortho_parallel(robot: &Value, joints: &[f64; 6]) -> Pose {
     ];
     let length = |name: &str| robot["opw"][name].as_f64().expect("a length");
     let q: [f64; 6] = std::array::from_fn(|axis| joints[axis] * sign[axis] - offset[axis]);
-    let psi = libm::atan2(length("a2"), length("c3"));
-    let k = libm::hypot(length("a2"), length("c3"));
+    let psi = rpi_math::atan2(length("a2"), length("c3"));
+    let k = rpi_math::hypot(length("a2"), length("c3"));
     let lean = q[1] + q[2] + psi;
-    let out = length("c2") * libm::sin(q[1]) + k * libm::sin(lean) + length("a1");
-    let up = length("c2") * libm::cos(q[1]) + k * libm::cos(lean) + length("c1");
+    let out = length("c2") * rpi_math::sin(q[1]) + k * rpi_math::sin(lean) + length("a1");
+    let up = length("c2") * rpi_math::cos(q[1]) + k * rpi_math::cos(lean) + length("c1");
     let about = |axis: nalgebra::Vector3<f64>, angle: f64| Pose::rotation(axis * angle);
     let (y, z) = (nalgebra::Vector3::y(), nalgebra::Vector3::z());
     let wrist = about(z, q[0]) * Pose::translation(out, length("b"), up) * about(y, q[1] + q[2]);

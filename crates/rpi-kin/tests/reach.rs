@@ -9,7 +9,7 @@ const DT: f64 = 1e-3;
 
 /// Returns bounds with magnitudes from 0.001 to 1000, and a start within them.
 fn case(random: &mut Random) -> (AxisState, f64, Bounds) {
-    let mut bound = || libm::exp10(random.between(-3.0, 3.0));
+    let mut bound = || rpi_math::pow(10.0, random.between(-3.0, 3.0));
     let bounds = Bounds {
         speed: bound(),
         acceleration: bound(),

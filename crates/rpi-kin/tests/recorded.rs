@@ -108,7 +108,7 @@ fn compared(arm: &ArmModel, row: &Row, ours: &[f64; 7]) -> Verdict {
     let in_range = limits.all(|(joint, axis)| axis.position.contains(*joint));
     // A nearly straight joint amplifies the error of the pose in the rotations of the adjacent joints.
     let bend = [1, 3, 5]
-        .map(|axis| libm::sin(row.joints[axis]).abs())
+        .map(|axis| rpi_math::sin(row.joints[axis]).abs())
         .into_iter()
         .fold(1.0, f64::min);
     let rounding = 10.0 * (miss(arm, row) + 1e-8) / bend;

@@ -142,7 +142,7 @@ fn shoulder_to_wrist_is_steep(arm: &ArmModel, joints: &Joints) -> bool {
         .link_frames(joints)
         .nth(4)
         .map(|frame| frame.translation.vector);
-    wrist.is_some_and(|wrist| libm::hypot(wrist.x, wrist.y) < 0.05)
+    wrist.is_some_and(|wrist| rpi_math::hypot(wrist.x, wrist.y) < 0.05)
 }
 
 #[test]
@@ -333,11 +333,11 @@ fn a_wrist_above_the_shoulder_is_no_special_case() {
             // The forearm returns as far as the upper arm reaches out, so the wrist is above the shoulder, or nearly
             // so.
             let bend = random.between(0.2, 1.5);
-            let lift = geometry(arm).fore * libm::sin(bend)
-                / (geometry(arm).upper + geometry(arm).fore * libm::cos(bend));
+            let lift = geometry(arm).fore * rpi_math::sin(bend)
+                / (geometry(arm).upper + geometry(arm).fore * rpi_math::cos(bend));
             let off = [0.0, 1e-15, 1e-12, 1e-10, 1e-8, 1e-5][round % 6];
             let mut joints: Joints = [random.between(-2.0, 2.0), 0.0, 0.0, 0.0, 0.3, 0.5, 0.1];
-            joints[1] = sense[1] * (libm::atan(lift) + off);
+            joints[1] = sense[1] * (rpi_math::atan(lift) + off);
             joints[3] = -sense[3] * bend;
             let found = reached(arm, &joints, &joints);
             assert!(

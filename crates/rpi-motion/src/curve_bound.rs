@@ -83,13 +83,13 @@ impl CurveBound {
     pub(crate) fn tool_motion(&self, state: &PathState, jerk: f64) -> (f64, f64) {
         let (k, v, a) = (self.value, state.velocity, state.acceleration);
         let cube = v * v * v;
-        let along = libm::hypot(jerk - k * k * cube, self.twist * cube);
+        let along = rpi_math::hypot(jerk - k * k * cube, self.twist * cube);
         let bending = 3.0 * k * v * a;
         let across = |slope: f64| libm::fabs(bending + slope * cube);
         let [one, other] = self.slopes;
         (
-            libm::hypot(a, k * v * v),
-            libm::hypot(along, across(one).max(across(other))),
+            rpi_math::hypot(a, k * v * v),
+            rpi_math::hypot(along, across(one).max(across(other))),
         )
     }
 }
@@ -138,6 +138,6 @@ mod tests {
         // 3 k v a = -6 and k' v³ between -5 and 9: the largest magnitude is 11.
         let (acceleration, jerk) = bound.tool_motion(&state, 4.0 * 1.0);
         assert!((jerk - 11.0).abs() < 0.1, "{jerk}");
-        assert!((acceleration - libm::hypot(1.0, 2.0)).abs() < 0.1);
+        assert!((acceleration - rpi_math::hypot(1.0, 2.0)).abs() < 0.1);
     }
 }

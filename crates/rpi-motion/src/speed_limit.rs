@@ -97,7 +97,7 @@ pub(crate) fn steady_speed(arm: &Arm, node: &Node, requested: Bounds) -> (f64, O
     let sideways = libm::sqrt(requested.acceleration / value.max(1e-9));
     take(STEADY * sideways, SpeedBound::ToolAcceleration);
     take(
-        STEADY * libm::cbrt(requested.jerk / turning),
+        STEADY * rpi_math::cbrt(requested.jerk / turning),
         SpeedBound::ToolJerk,
     );
     for (axis, limits) in arm.limits().iter().enumerate() {
@@ -108,7 +108,7 @@ pub(crate) fn steady_speed(arm: &Arm, node: &Node, requested: Bounds) -> (f64, O
             size(node.third[0][axis]).max(size(node.third[1][axis])),
         );
         let by_acceleration = libm::sqrt(STEADY_ACCELERATION * limits.acceleration / second);
-        let by_jerk = libm::cbrt(STEADY_JERK * limits.jerk / third);
+        let by_jerk = rpi_math::cbrt(STEADY_JERK * limits.jerk / third);
         take(
             USED_SHARE * limits.velocity / first,
             SpeedBound::AxisVelocity { axis },

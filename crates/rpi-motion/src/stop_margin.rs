@@ -110,8 +110,8 @@ mod tests {
     #[test]
     fn distances_are_those_of_the_planned_stop() {
         for k in 0..400 {
-            let velocity = 5.9 * libm::sin(f64::from(k) * 1.7);
-            let acceleration = 11.9 * libm::sin(f64::from(k) * 0.37);
+            let velocity = 5.9 * rpi_math::sin(f64::from(k) * 1.7);
+            let acceleration = 11.9 * rpi_math::sin(f64::from(k) * 0.37);
             let (_, above) = exact_stopping_distances(velocity, acceleration, &LIMITS);
             let wanted = planned(velocity, acceleration);
             assert!(

@@ -16,6 +16,7 @@ use crate::verify::Verifier;
 use crate::{Arm, JointState, Joints};
 use nalgebra::Vector3;
 use rpi_kin::angle::nearest_turn;
+use rpi_kin::rotation::rotation_vector;
 use rpi_kin::state_to_rest::{Bounds, StateToRestProfile};
 use rpi_kin::{MAX_AXES, Range};
 
@@ -215,7 +216,7 @@ fn differences(
             .arm_angle_of_path(of.arm, s, &node.joints);
         Difference {
             way: tool.translation.vector - place.translation.vector,
-            turn: (tool.rotation * place.rotation.inverse()).scaled_axis(),
+            turn: rotation_vector(&(tool.rotation * place.rotation.inverse())),
             arm_angle: nearest_turn(own, of_path) - of_path,
         }
     };

@@ -6,8 +6,9 @@
 //! largest share of the bounds, since the displacement mostly lies along it.
 
 use crate::path::line::TURNING_LENGTH;
-use nalgebra::{Translation3, UnitQuaternion, Vector3};
+use nalgebra::{Translation3, Vector3};
 use rpi_kin::Pose;
+use rpi_kin::rotation::from_rotation_vector;
 use rpi_kin::state_to_rest::{AxisState, Bounds, StateToRestProfile};
 
 /// Share of the requested acceleration and jerk of the tool that the residual uses along its own initial velocity.
@@ -190,7 +191,7 @@ impl ToolResidual {
     /// displacement continues with the acceleration that it has at `time`.
     pub(crate) fn displaced(&self, path: &Pose, time: f64, ahead: f64) -> Pose {
         let elapsed = time - self.start_time;
-        let turn = UnitQuaternion::from_scaled_axis(self.turn.near(elapsed, ahead));
+        let turn = from_rotation_vector(self.turn.near(elapsed, ahead));
         Pose::from_parts(
             Translation3::from(path.translation.vector + self.way.near(elapsed, ahead)),
             turn * path.rotation,

@@ -2,7 +2,7 @@
 //!
 //! The declaration of each primitive has its C text beside its Rust code, so that a primitive without C does not
 //! compile. Both compute the same bits, which the tests of `rpi-codegen` check for every primitive. The text is C99 that
-//! is also C++17. It uses the functions of [`SUPPORT`], but neither `math.h` nor the heap, and its expressions must not
+//! is also C++17. It uses the functions of [`support`], but neither `math.h` nor the heap, and its expressions must not
 //! depend on contraction or on the order of evaluation.
 //!
 //! Names in the text:
@@ -15,7 +15,7 @@
 //! | `inValue_present`, `outValue_present` | presence of an in-port; pointer to the presence of an out-port |
 //! | `s0`, `s1` | pointers to the components of a state of fixed size |
 //! | `ring`, `ring_len` | words of a state of computed size, and their number as `size_t` |
-//! | `cx`, `at` | context and place for [`rpi_fault`](SUPPORT) |
+//! | `cx`, `at` | context and place for [`rpi_fault`](support) |
 //! | `rpi_dt`, `rpi_tick_ns` | period in s and length of a tick in ns, as reals |
 //!
 //! The emitter replaces these calls according to the type of the port: `COPY(to, from)` copies a value, `GET(to, array,
@@ -45,12 +45,14 @@ pub enum CForm {
     Both(&'static str, &'static str),
 }
 
-/// C functions that the code of primitives uses: texts of definitions, each after a line `/*# name */`.
-pub const SUPPORT: &[&str] = &[
+/// Returns the C functions that the code of primitives uses, elementary functions first: texts of definitions, each after a line
+/// `/*# name */`.
+pub fn support() -> impl Iterator<Item = &'static str> {
+    rpi_math::C_SOURCES.iter().chain(support).copied()
+}
+
+const SUPPORT: &[&str] = &[
     include_str!("c/real.c"),
-    include_str!("c/trigonometry.c"),
-    include_str!("c/functions.c"),
-    include_str!("c/power.c"),
     include_str!("c/integer.c"),
     include_str!("c/history.c"),
     include_str!("c/geometry.c"),

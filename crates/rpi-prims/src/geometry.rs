@@ -1,6 +1,6 @@
 //! Rotations and rigid motions: Euler angles, axis and angle, exponential and logarithm.
 //!
-//! Trigonometric functions are those of `libm`, so that results are bit-identical on every machine. Formulas: Lynch and
+//! Trigonometric functions are those of `rpi-math`, so that results are bit-identical on every machine. Formulas: Lynch and
 //! Park, Modern Robotics (2017), chapter 3.
 
 use crate::value_types::{Rotation, Vector};
@@ -10,7 +10,7 @@ use nalgebra::{Quaternion, UnitQuaternion};
 /// Returns the rotation by `a` about z, then by `b` about the new y, then by `c` about the new x (all in rad).
 #[must_use]
 pub fn from_abc(a: f64, b: f64, c: f64) -> Rotation {
-    let half = |angle: f64| (libm::sin(angle / 2.0), libm::cos(angle / 2.0));
+    let half = |angle: f64| (rpi_math::sin(angle / 2.0), rpi_math::cos(angle / 2.0));
     let ((sa, ca), (sb, cb), (sc, cc)) = (half(a), half(b), half(c));
     UnitQuaternion::new_unchecked(Quaternion::new(
         ca * cb * cc + sa * sb * sc,
@@ -25,11 +25,14 @@ pub fn from_abc(a: f64, b: f64, c: f64) -> Rotation {
 #[must_use]
 pub fn to_abc(rotation: Rotation) -> (f64, f64, f64) {
     let m = matrix(rotation);
-    let b = libm::atan2(-m[2][0], libm::sqrt(m[0][0] * m[0][0] + m[1][0] * m[1][0]));
+    let b = rpi_math::atan2(-m[2][0], libm::sqrt(m[0][0] * m[0][0] + m[1][0] * m[1][0]));
     if libm::fabs(b) > FRAC_PI_2 - 1e-12 {
-        return (libm::atan2(-m[0][1], m[1][1]), b, 0.0);
+        return (rpi_math::atan2(-m[0][1], m[1][1]), b, 0.0);
     }
-    let (a, c) = (libm::atan2(m[1][0], m[0][0]), libm::atan2(m[2][1], m[2][2]));
+    let (a, c) = (
+        rpi_math::atan2(m[1][0], m[0][0]),
+        rpi_math::atan2(m[2][1], m[2][2]),
+    );
     (a, b, c)
 }
 
@@ -45,7 +48,7 @@ pub fn matrix(rotation: Rotation) -> [[f64; 3]; 3] {
 pub fn exp(vector: Vector) -> Rotation {
     let angle = norm(vector);
     let axis = if angle > 0.0 { vector / angle } else { vector };
-    let (s, c) = (libm::sin(angle / 2.0), libm::cos(angle / 2.0));
+    let (s, c) = (rpi_math::sin(angle / 2.0), rpi_math::cos(angle / 2.0));
     UnitQuaternion::new_unchecked(Quaternion::from_parts(c, axis * s))
 }
 
@@ -58,7 +61,7 @@ pub fn to_axis_angle(rotation: Rotation) -> (Vector, f64) {
     if s == 0.0 {
         return (Vector::x(), 0.0);
     }
-    (v / s, 2.0 * libm::atan2(s, rotation.w * sign))
+    (v / s, 2.0 * rpi_math::atan2(s, rotation.w * sign))
 }
 
 /// Returns the rotation vector of a rotation: axis times angle (rad, 0 to π). Inverse of [`exp`].

@@ -100,7 +100,7 @@ impl Base {
 
     fn pose(&self) -> Pose {
         let [x, y, heading] = self.position;
-        let (sin, cos) = libm::sincos(heading / 2.0);
+        let (sin, cos) = rpi_math::sincos(heading / 2.0);
         let turn = nalgebra::Quaternion::new(cos, 0.0, 0.0, sin);
         Pose::from_parts(
             nalgebra::Translation3::new(x, y, 0.0),
@@ -229,9 +229,9 @@ impl Base {
         let chord = if half.abs() < 1e-6 {
             1.0 - half * half / 6.0
         } else {
-            libm::sin(half) / half
+            rpi_math::sin(half) / half
         };
-        let (sin, cos) = libm::sincos(self.position[2] + half);
+        let (sin, cos) = rpi_math::sincos(self.position[2] + half);
         self.position[0] += forwards * chord * cos;
         self.position[1] += forwards * chord * sin;
         self.position[2] = rpi_kin::angle::wrap(self.position[2] + turning);

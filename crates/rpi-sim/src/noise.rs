@@ -31,8 +31,8 @@ impl Noise {
         if deviation == 0.0 {
             return 0.0;
         }
-        let radius = libm::sqrt(-2.0 * libm::log(self.uniform()));
-        deviation * radius * libm::cos(TAU * self.uniform())
+        let radius = libm::sqrt(-2.0 * rpi_math::log(self.uniform()));
+        deviation * radius * rpi_math::cos(TAU * self.uniform())
     }
 }
 

@@ -74,7 +74,7 @@ fn a_platform_drives_straight_on_and_on_a_circle() {
     drive(&mut circle, 0.5, 1.0, 300);
     let position = sensor(&mut circle, "base.position", Scalar::Pose);
     let pose: [f64; 7] = reals(&mut circle, position);
-    let radius = libm::hypot(pose[0], pose[1] - 0.5);
+    let radius = rpi_math::hypot(pose[0], pose[1] - 0.5);
     assert!(
         (radius - 0.5).abs() < 1e-9,
         "it stays on its circle: {radius}"
@@ -101,7 +101,7 @@ fn a_platform_left_alone_slows_down_on_its_arc() {
         before = forwards;
     }
     let pose: [f64; 7] = reals(&mut bank, position);
-    assert!((libm::hypot(pose[0], pose[1] - 0.5) - 0.5).abs() < 1e-9);
+    assert!((rpi_math::hypot(pose[0], pose[1] - 0.5) - 0.5).abs() < 1e-9);
     let codes: Vec<ErrorCode> = bank.status().map(|status| status.code).collect();
     assert_eq!(codes, [ErrorCode::SET_POINT_MISSING]);
 }

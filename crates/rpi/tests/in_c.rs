@@ -50,11 +50,12 @@ fn tables_are_the_same_in_c() {
     }
 }
 
-/// A tenth of the tables, on the board mps2-an386 with a Cortex-M4.
+/// A tenth of the tables and a motion of seven joints, on the board mps2-an386 with a Cortex-M4.
 #[test]
 fn tables_are_the_same_on_a_microcontroller() {
     if answers("arm-none-eabi-gcc") && answers("qemu-system-arm") {
-        for program in programs().iter().step_by(10) {
+        let joints = workspace_root().join("crates/rpi/tests/programs/seven_joints.rpi");
+        for program in programs().iter().step_by(10).chain([&joints]) {
             let summary = run_in_c(program, "cortex-m4");
             println!("{}: {summary}", program.display());
             for figure in ["flash ", " B, RAM ", " per cycle"] {

@@ -8,7 +8,10 @@ use xtask::{Package, packages};
 const EDGES: &[(&str, &[&str])] = &[
     ("rpi-image", &[]),
     ("rpi-device", &["rpi-image"]),
-    ("rpi-prims", &["rpi-device", "rpi-image", "rpi-kin"]),
+    (
+        "rpi-prims",
+        &["rpi-device", "rpi-image", "rpi-kin", "rpi-math"],
+    ),
     ("rpi-core", &["rpi-device", "rpi-image", "rpi-prims"]),
     ("rpi-codegen", &["rpi-image", "rpi-prims"]),
     (
@@ -22,8 +25,9 @@ const EDGES: &[(&str, &[&str])] = &[
             "rpi-prims",
         ],
     ),
-    ("rpi-kin", &[]),
-    ("rpi-motion", &["rpi-kin"]),
+    ("rpi-math", &[]),
+    ("rpi-kin", &["rpi-math"]),
+    ("rpi-motion", &["rpi-kin", "rpi-math"]),
     (
         "rpi-sim",
         &[
@@ -31,6 +35,7 @@ const EDGES: &[(&str, &[&str])] = &[
             "rpi-files",
             "rpi-image",
             "rpi-kin",
+            "rpi-math",
             "rpi-motion",
         ],
     ),
@@ -95,6 +100,7 @@ const EDGES: &[(&str, &[&str])] = &[
             "rpi-image",
             "rpi-kin",
             "rpi-literal",
+            "rpi-math",
             "rpi-runtime",
             "rpi-sim",
             "rpi-words",
@@ -251,6 +257,7 @@ const NO_STD: &[&str] = &[
     "rpi-device",
     "rpi-image",
     "rpi-kin",
+    "rpi-math",
     "rpi-motion",
     "rpi-prims",
 ];

@@ -47,6 +47,7 @@ const REAL_TIME: &[&str] = &[
     "rpi-device",
     "rpi-image",
     "rpi-kin",
+    "rpi-math",
     "rpi-motion",
     "rpi-prims",
 ];

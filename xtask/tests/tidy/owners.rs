@@ -5,7 +5,7 @@ use std::collections::{BTreeMap, BTreeSet};
 use xtask::packages;
 
 /// Crates that may depend on each third-party crate. Crates with several owners are exceptions: the types of nalgebra
-/// are shared vocabulary, libm is the one implementation of arithmetic, and the derives of serde and clap do not expose
+/// are shared vocabulary, libm is the one implementation of exactly rounded functions, and the derives of serde and clap do not expose
 /// types in interfaces.
 const OWNERS: &[(&str, &[&str])] = &[
     ("base64", &["rpi-view"]),
@@ -24,7 +24,10 @@ const OWNERS: &[(&str, &[&str])] = &[
     ("lalrpop", &["rpi-syntax"]),
     ("lalrpop-util", &["rpi-syntax"]),
     ("libc", &["rpi-runtime"]),
-    ("libm", &["rpi-kin", "rpi-motion", "rpi-prims", "rpi-sim"]),
+    (
+        "libm",
+        &["rpi-kin", "rpi-math", "rpi-motion", "rpi-prims", "rpi-sim"],
+    ),
     ("logos", &["rpi-syntax"]),
     ("lsp-server", &["rpi-lsp"]),
     ("lsp-types", &["rpi-lsp"]),

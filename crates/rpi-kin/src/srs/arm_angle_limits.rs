@@ -34,9 +34,9 @@ impl Sinusoid {
     /// Returns the two arm angles (rad, not wrapped) at which the function is zero; NaN if there are none.
     fn zeros(self) -> [f64; 2] {
         let height = libm::sqrt(self.cos * self.cos + self.sin * self.sin);
-        let middle = libm::atan2(self.sin, self.cos);
+        let middle = rpi_math::atan2(self.sin, self.cos);
         // The arc cosine outside its domain is NaN, which means no zero.
-        let half = libm::acos(-self.constant / height);
+        let half = rpi_math::acos(-self.constant / height);
         [middle - half, middle + half]
     }
 }

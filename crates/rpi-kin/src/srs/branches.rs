@@ -94,11 +94,11 @@ pub fn first_branch(reach: &ElbowTriangle, elbow: &Vector3<f64>, hint: &Joints) 
     let shoulder = SphericalJoint::pointing_at(&upper, hint[0]);
     let fore = shoulder.inverse_rotate(&forearm(reach, elbow));
     let p3 = if reach.elbow_bend.sin > STRAIGHT_TOLERANCE {
-        libm::atan2(fore.y, fore.x)
+        rpi_math::atan2(fore.y, fore.x)
     } else {
         hint[2]
     };
-    let p4 = libm::atan2(reach.elbow_bend.sin, reach.elbow_bend.cos);
+    let p4 = rpi_math::atan2(reach.elbow_bend.sin, reach.elbow_bend.cos);
     let elbow = SphericalJoint {
         bend_sin_cos: reach.elbow_bend,
         ..SphericalJoint::new(p3, p4)

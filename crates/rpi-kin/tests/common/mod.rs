@@ -36,7 +36,7 @@ pub(crate) fn distance(one: &Pose, other: &Pose) -> f64 {
     let shift = (one.translation.vector - other.translation.vector).amax();
     // The angle is computed from the vector part: exact for small angles, in contrast to `acos` of the real part.
     let turn = one.rotation.inverse() * other.rotation;
-    let angle = 2.0 * libm::atan2(turn.imag().norm(), turn.w.abs());
+    let angle = 2.0 * rpi_math::atan2(turn.imag().norm(), turn.w.abs());
     shift.max(angle)
 }
 

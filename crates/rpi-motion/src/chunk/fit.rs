@@ -195,7 +195,7 @@ mod tests {
         let mut rows = Rows::empty();
         rows.clear(3.0, period);
         for k in 0..count {
-            let (sine, cosine) = libm::sincos(2.0 * period * k as f64);
+            let (sine, cosine) = rpi_math::sincos(2.0 * period * k as f64);
             let velocity = with_velocities.then_some([2.0 * cosine; 7]);
             rows.push([1.0 + sine; 7], velocity);
         }
@@ -211,7 +211,7 @@ mod tests {
             assert!(deviation < 1e-6, "{deviation}");
             for time in [0.2, 0.5101, 0.777] {
                 let at = curve.at(3.0 + time);
-                let (sine, cosine) = libm::sincos(2.0 * time);
+                let (sine, cosine) = rpi_math::sincos(2.0 * time);
                 let off = [
                     at.position[3] - 1.0 - sine,
                     at.first[3] - 2.0 * cosine,

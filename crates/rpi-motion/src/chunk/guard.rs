@@ -155,8 +155,8 @@ mod tests {
     /// A jerk that changes its sign at random times, up to 100 times the limit.
     fn wanted(k: u32) -> f64 {
         let phase = f64::from(k);
-        let slow = libm::sin(phase * 0.0021) + libm::sin(phase * 0.013);
-        4000.0 * slow * libm::sin(phase * 0.71)
+        let slow = rpi_math::sin(phase * 0.0021) + rpi_math::sin(phase * 0.013);
+        4000.0 * slow * rpi_math::sin(phase * 0.71)
     }
 
     #[test]

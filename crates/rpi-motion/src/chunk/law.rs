@@ -108,7 +108,7 @@ fn rate_on(
         for (share, kind) in of_kind.into_iter().filter(|(share, _)| *share < 1.0) {
             let allowed = match kind {
                 LimitKind::Acceleration => libm::sqrt(share),
-                LimitKind::Jerk => libm::cbrt(share),
+                LimitKind::Jerk => rpi_math::cbrt(share),
                 LimitKind::Velocity | LimitKind::Range => share,
             };
             if allowed < rate.0 {

@@ -168,7 +168,7 @@ fn straight_ramp(ends: &Ends, distance: f64) -> Rough {
 fn fastest(ends: &Ends, distance: f64, jerk: f64) -> Plan {
     let (mut best, rough) = candidates(ends, distance, TOLERANCE / jerk);
     // Twice the time from rest to rest over a distance of the tolerance.
-    let detour = 2.0 * libm::cbrt(32.0 * TOLERANCE / jerk);
+    let detour = 2.0 * rpi_math::cbrt(32.0 * TOLERANCE / jerk);
     for (rough, error) in rough.into_iter().chain([straight_ramp(ends, distance)]) {
         let speed = ends.start_velocity.abs() + ends.end_velocity.abs();
         let is_rounding =

@@ -96,7 +96,7 @@ impl Arc {
         let outwards = -to_centre / radius;
         let forwards = normal.cross(&outwards);
         let end = to.translation.vector - centre;
-        let angle = libm::atan2(end.dot(&forwards), end.dot(&outwards));
+        let angle = rpi_math::atan2(end.dot(&forwards), end.dot(&outwards));
         let angle = if angle <= 0.0 { angle + TAU } else { angle };
         let turning = EvenTurning::vector_between(&from.rotation, &to.rotation);
         let frame = (outwards, forwards);
@@ -130,7 +130,7 @@ impl Arc {
         let radius = libm::sqrt(one.norm_squared());
         let outwards = one / radius;
         let forwards = (normal / libm::sqrt(area)).cross(&outwards);
-        let angle = libm::atan2(other.dot(&forwards), other.dot(&outwards));
+        let angle = rpi_math::atan2(other.dot(&forwards), other.dot(&outwards));
         let turning = EvenTurning::vector_between(&from.rotation, &to.rotation);
         let frame = (outwards, forwards);
         Ok(Self::new(
@@ -222,7 +222,7 @@ impl Arc {
     /// Returns the pose of the tool in the base frame at the value `s` (m) of the path parameter.
     #[must_use]
     pub fn pose(&self, s: f64) -> Pose {
-        let (sin, cos) = libm::sincos(s * self.rate);
+        let (sin, cos) = rpi_math::sincos(s * self.rate);
         let spoke = (self.outwards * cos + self.forwards * sin) * self.radius;
         Pose::from_parts(Translation3::from(self.centre + spoke), self.turning.at(s))
     }

@@ -9,6 +9,7 @@ use super::Curvature;
 use super::line::Line;
 use nalgebra::{Translation3, UnitQuaternion, Vector3};
 use rpi_kin::Pose;
+use rpi_kin::rotation::{from_rotation_vector, rotation_vector};
 
 /// Number of intervals of the table that maps arc length to curve parameter.
 const INTERVALS: usize = 24;
@@ -48,7 +49,7 @@ pub struct Corner {
 #[must_use]
 pub fn turn_between(first: &Vector3<f64>, second: &Vector3<f64>) -> f64 {
     let cross = first.cross(second);
-    libm::atan2(libm::sqrt(cross.norm_squared()), first.dot(second))
+    rpi_math::atan2(libm::sqrt(cross.norm_squared()), first.dot(second))
 }
 
 impl Corner {
@@ -68,7 +69,7 @@ impl Corner {
         ];
         let turn = |k: usize| {
             let (from, to) = (controls[k].rotation, controls[k + 1].rotation);
-            (from.inverse() * to).scaled_axis()
+            rotation_vector(&(from.inverse() * to))
         };
         let points = controls.map(|control| control.translation.vector);
         Self::with_controls(points, controls[0].rotation, core::array::from_fn(turn))
@@ -121,7 +122,7 @@ impl Corner {
         let mut rotation = self.start;
         for (k, turn) in self.turns.iter().enumerate() {
             let share: f64 = basis[k + 1..].iter().sum();
-            rotation *= UnitQuaternion::from_scaled_axis(turn * share);
+            rotation *= from_rotation_vector(turn * share);
         }
         Pose::from_parts(Translation3::from(position), rotation)
     }

@@ -1,8 +1,9 @@
 //! Straight line of the tool.
 
-use super::orientation::{EvenTurning, angle_between};
+use super::orientation::EvenTurning;
 use nalgebra::{Translation3, Vector3};
 use rpi_kin::Pose;
+use rpi_kin::rotation::angle_between;
 
 /// Distance (m) that counts as much as turning the tool by one radian, when the length of a path is determined: on a
 /// short distance, the turning decides.

@@ -111,7 +111,10 @@ impl Curvature {
     /// the constant speed 1.
     #[must_use]
     pub fn third_derivative(&self) -> f64 {
-        libm::hypot(libm::hypot(self.slope, self.twist), self.value * self.value)
+        rpi_math::hypot(
+            rpi_math::hypot(self.slope, self.twist),
+            self.value * self.value,
+        )
     }
 }
 

@@ -1,6 +1,7 @@
 //! Even turning from one orientation to another.
 
 use nalgebra::{UnitQuaternion, Vector3};
+use rpi_kin::rotation::{from_rotation_vector, rotation_vector};
 
 /// Even turning of the tool: about a fixed axis, in proportion to the path parameter (spherical linear interpolation).
 #[derive(Clone, Copy, Debug)]
@@ -34,7 +35,7 @@ impl EvenTurning {
     /// Returns the rotation vector from `from` to `to`, the shorter way round, in base coordinates; rad.
     #[must_use]
     pub fn vector_between(from: &UnitQuaternion<f64>, to: &UnitQuaternion<f64>) -> Vector3<f64> {
-        (to * from.inverse()).scaled_axis()
+        rotation_vector(&(to * from.inverse()))
     }
 
     /// Returns the same turning, with its path parameter counted from the value `s` (m) on.
@@ -49,12 +50,6 @@ impl EvenTurning {
     /// Returns the orientation in the base frame at the value `s` (m) of the path parameter.
     #[must_use]
     pub fn at(&self, s: f64) -> UnitQuaternion<f64> {
-        UnitQuaternion::from_scaled_axis(self.rate * s) * self.start
+        from_rotation_vector(self.rate * s) * self.start
     }
-}
-
-/// Returns the angle between two orientations, rad, from 0 to π.
-#[must_use]
-pub fn angle_between(from: &UnitQuaternion<f64>, to: &UnitQuaternion<f64>) -> f64 {
-    (to * from.inverse()).angle()
 }

@@ -8,10 +8,10 @@
 
 use super::corner::Corner;
 use super::line::TURNING_LENGTH;
-use super::orientation::angle_between;
 use super::{MAX_PIECES, Piece, ToolPath};
-use nalgebra::{UnitQuaternion, Vector3};
+use nalgebra::Vector3;
 use rpi_kin::Pose;
+use rpi_kin::rotation::{angle_between, from_rotation_vector, rotation_vector};
 
 /// Reason why there is no spline through the given points. Points are counted from 0.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -81,7 +81,7 @@ impl ToolPath {
             widths[k] = chord(&pair[0], &pair[1], k)?;
             ways[k] = pair[1].translation.vector - pair[0].translation.vector;
             // In the frame of the tool: an even turning has the same vector in each piece.
-            turns[k] = (pair[0].rotation.inverse() * pair[1].rotation).scaled_axis();
+            turns[k] = rotation_vector(&(pair[0].rotation.inverse() * pair[1].rotation));
         }
         let position = derivatives(&ways[..pieces], &widths);
         let orientation = derivatives(&turns[..pieces], &widths);
@@ -168,12 +168,12 @@ fn piece(
     ];
     let (one, two) = steps(orientation, k, 1.0);
     let (five, four) = steps(orientation, k + 1, -1.0);
-    let turn = UnitQuaternion::from_scaled_axis;
+    let turn = from_rotation_vector;
     // The acceleration is given in the frame of the end, the rotation vector in the frame before the last turn.
     let four = turn(five) * four;
     let head = turn(one) * turn(two);
     let tail = turn(four) * turn(five);
     let between = pair[0].rotation.inverse() * pair[1].rotation;
-    let three = (head.inverse() * between * tail.inverse()).scaled_axis();
+    let three = rotation_vector(&(head.inverse() * between * tail.inverse()));
     Corner::with_controls(points, pair[0].rotation, [one, two, three, four, five])
 }

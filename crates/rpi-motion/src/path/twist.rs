@@ -2,8 +2,9 @@
 
 use super::Curvature;
 use super::line::TURNING_LENGTH;
-use nalgebra::{Translation3, UnitQuaternion, Vector3};
+use nalgebra::{Translation3, Vector3};
 use rpi_kin::Pose;
+use rpi_kin::rotation::from_rotation_vector;
 
 /// Frame in which the components of a twist (linear and angular velocity) are constant.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -72,7 +73,7 @@ impl TwistPath {
     /// Returns the pose of the tool in the base frame at the value `s` (m) of the path parameter.
     #[must_use]
     pub fn pose(&self, s: f64) -> Pose {
-        let turn = UnitQuaternion::from_scaled_axis(self.angular * s);
+        let turn = from_rotation_vector(self.angular * s);
         let (at, rotation) = (self.start.translation.vector, self.start.rotation);
         match self.frame {
             TwistFrame::Base => {
@@ -100,7 +101,7 @@ impl TwistPath {
                 1.0 / 6.0 - x / 120.0 + x * x / 5040.0,
             )
         } else {
-            let (sin, cos) = libm::sincos(angle);
+            let (sin, cos) = rpi_math::sincos(angle);
             (
                 (1.0 - cos) / angle_squared,
                 (angle - sin) / (angle_squared * angle),

@@ -35,7 +35,7 @@ impl Policy {
             policy.centre[axis] = middle;
             let mut sums = [0.0; 4];
             for term in &mut policy.terms[axis] {
-                let frequency = 0.5 * libm::exp(random.between(0.0, 2.5));
+                let frequency = 0.5 * rpi_math::exp(random.between(0.0, 2.5));
                 *term = (
                     random.between(0.1, 1.0) / frequency,
                     frequency,
@@ -68,7 +68,7 @@ impl Policy {
         let mut both = (self.centre, [0.0; 7]);
         for axis in 0..7 {
             for (amplitude, frequency, phase) in self.terms[axis] {
-                let (sine, cosine) = libm::sincos(frequency * along + phase);
+                let (sine, cosine) = rpi_math::sincos(frequency * along + phase);
                 both.0[axis] += amplitude * sine;
                 both.1[axis] += amplitude * frequency * cosine * rate;
             }

@@ -98,7 +98,7 @@ fn an_endless_task_of_six_corners_never_stops() {
     let arm = arm();
     let start = arm.forward(&JOINTS);
     let at = |k: usize| {
-        let (sin, cos) = libm::sincos((60.0 * k as f64).to_radians());
+        let (sin, cos) = rpi_math::sincos((60.0 * k as f64).to_radians());
         let way = Vector3::new(-0.15 + 0.15 * cos, 0.15 * sin, 0.0);
         Pose::from_parts(
             Translation3::from(start.translation.vector + way),

@@ -15,7 +15,7 @@ pub(crate) const PERIOD: f64 = 1e-3;
 pub(crate) fn corner(start: &Pose, side: f64, turn: f64, zone: f64, tilt: f64) -> ToolPath {
     let plane = Rotation3::from_euler_angles(0.4, 0.3, 0.2);
     let first = plane * Vector3::x() * side;
-    let second = plane * Vector3::new(libm::cos(turn), libm::sin(turn), 0.0) * side;
+    let second = plane * Vector3::new(rpi_math::cos(turn), rpi_math::sin(turn), 0.0) * side;
     let turned = UnitQuaternion::from_scaled_axis(Vector3::y() * tilt) * start.rotation;
     let middle = start.translation.vector + first;
     let points = [
@@ -129,8 +129,8 @@ pub(crate) fn speed_of_formula(path: &Path, (low, high): (f64, f64), requested: 
         .map(|s| {
             let k = path.curvature(s);
             let sideways = (requested.acceleration / k.value.max(1e-9)).sqrt();
-            let turning = libm::hypot(k.slope, k.value * k.value).max(1e-9);
-            sideways.min(libm::cbrt(requested.jerk / turning))
+            let turning = rpi_math::hypot(k.slope, k.value * k.value).max(1e-9);
+            sideways.min(rpi_math::cbrt(requested.jerk / turning))
         })
         .fold(requested.speed, f64::min)
 }

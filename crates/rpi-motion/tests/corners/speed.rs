@@ -61,10 +61,10 @@ struct Case {
 }
 
 fn case(random: &mut Random) -> Case {
-    let zone = 1e-3 * libm::pow(200.0, random.unit());
+    let zone = 1e-3 * rpi_math::pow(200.0, random.unit());
     // Slow motions through wide zones take minutes, and never bind.
     let slowest = (zone / 4.0).max(1e-3);
-    let speed = slowest * libm::pow(2.0 / slowest, random.unit());
+    let speed = slowest * rpi_math::pow(2.0 / slowest, random.unit());
     let (acceleration, jerk) = match random.unit() {
         share if share < 0.5 => (0.5, 5.0),
         share if share < 0.75 => (5.0, 100.0),

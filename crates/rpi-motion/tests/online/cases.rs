@@ -16,13 +16,13 @@ impl Random {
 
     /// Returns a normally distributed number with the mean 0.
     pub(crate) fn normal(&mut self, deviation: f64) -> f64 {
-        let radius = (-2.0 * libm::log(1.0 - self.unit())).sqrt();
-        deviation * radius * libm::cos(std::f64::consts::TAU * self.unit())
+        let radius = (-2.0 * rpi_math::log(1.0 - self.unit())).sqrt();
+        deviation * radius * rpi_math::cos(std::f64::consts::TAU * self.unit())
     }
 
     /// Returns 0, or a number of random sign from 1e-17 to 1e-3.
     pub(crate) fn noise(&mut self) -> f64 {
-        let size = libm::pow(10.0, self.between(-17.0, -3.0));
+        let size = rpi_math::pow(10.0, self.between(-17.0, -3.0));
         [0.0, size, -size][(self.unit() * 3.0) as usize]
     }
 }
@@ -85,7 +85,7 @@ impl Case {
         };
         match (random.unit() * 8.0) as usize {
             4 => case.be_whole_numbers(random),
-            5 => case.scale_limits(libm::pow(10.0, random.between(0.0, 5.0))),
+            5 => case.scale_limits(rpi_math::pow(10.0, random.between(0.0, 5.0))),
             0 => case.start = state(random, &limits, 2.0),
             1 => case.be_close(random),
             2 => case.be_at_limits(random),
@@ -202,7 +202,7 @@ fn pick(random: &mut Random, values: &[f64]) -> f64 {
 fn limits(random: &mut Random) -> AxisLimits {
     let limit = |random: &mut Random| match (random.unit() * 4.0) as usize {
         0 => 1.0,
-        1 => libm::pow(10.0, random.between(-2.0, 2.0)),
+        1 => rpi_math::pow(10.0, random.between(-2.0, 2.0)),
         _ => random.between(0.08, 16.0),
     };
     let (v, a) = (limit(random), limit(random));

@@ -73,7 +73,7 @@ fn planning_anew_on_the_way_does_not_take_longer() {
             .expect("the request is valid");
         let whole = time + rest.duration();
         // A motion that misses the target by less than 1e-8 m may have replaced a longer one.
-        let tolerance = 1e-4 + 2.0 * libm::cbrt(32e-8 / case.limits.max_jerk);
+        let tolerance = 1e-4 + 2.0 * rpi_math::cbrt(32e-8 / case.limits.max_jerk);
         assert!(
             whole <= motion.duration() + tolerance,
             "{whole} instead of {} from {time}: {request:?}",

@@ -1,66 +1,9 @@
-/*# rpi_bits */
-/* Bits of a real. */
-static inline uint64_t rpi_bits(double x) {
-  uint64_t bits;
-  memcpy(&bits, &x, sizeof bits);
-  return bits;
-}
-/*# rpi_real */
-/* Real with the given bits. */
-static inline double rpi_real(uint64_t bits) {
-  double x;
-  memcpy(&x, &bits, sizeof x);
-  return x;
-}
-/*# rpi_high */
-/* Sign, exponent and the 20 upper bits of the fraction. */
-static inline uint32_t rpi_high(double x) {
-  return (uint32_t)(rpi_bits(x) >> 32);
-}
-/*# rpi_low */
-static inline uint32_t rpi_low(double x) {
-  return (uint32_t)(rpi_bits(x) & 0xffffffffU);
-}
-/*# rpi_with_high */
-static inline double rpi_with_high(double x, uint32_t high) {
-  return rpi_real(((uint64_t)high << 32) | (rpi_bits(x) & 0xffffffffU));
-}
-/*# rpi_upper */
-/* The real without the 32 lower bits of its fraction. */
-static inline double rpi_upper(double x) {
-  return rpi_real(rpi_bits(x) & UINT64_C(0xffffffff00000000));
-}
 /*# rpi_integer */
 /* Signed integer with the given bits. */
 static inline int64_t rpi_integer(uint64_t bits) {
   int64_t n;
   memcpy(&n, &bits, sizeof n);
   return n;
-}
-/*# rpi_abs */
-static inline double rpi_abs(double x) {
-  return rpi_real(rpi_bits(x) & UINT64_C(0x7fffffffffffffff));
-}
-/*# rpi_copy_sign */
-static inline double rpi_copy_sign(double x, double sign) {
-  return rpi_real((rpi_bits(x) & UINT64_C(0x7fffffffffffffff)) |
-                  (rpi_bits(sign) & UINT64_C(0x8000000000000000)));
-}
-/*# rpi_is_nan */
-static inline bool rpi_is_nan(double x) {
-  return (rpi_bits(x) & UINT64_C(0x7fffffffffffffff)) > UINT64_C(0x7ff0000000000000);
-}
-/*# rpi_is_finite */
-static inline bool rpi_is_finite(double x) {
-  return (rpi_bits(x) & UINT64_C(0x7ff0000000000000)) != UINT64_C(0x7ff0000000000000);
-}
-/*# rpi_nan */
-static inline double rpi_nan(void) {
-  return rpi_real(UINT64_C(0x7ff8000000000000));
-}
-/*# rpi_infinity */
-static inline double rpi_infinity(void) {
-  return rpi_real(UINT64_C(0x7ff0000000000000));
 }
 /*# rpi_trunc */
 /* The real without its fractional part. */
@@ -163,62 +106,3 @@ static double rpi_fmod(double x, double y) {
   }
   return rpi_real(sign | (a >> (1 - ea)));
 }
-/*# rpi_sqrt */
-/* Square root, rounded to nearest: the instruction of the processor, else digit by digit. */
-#if defined(__SSE2__) && !defined(RPI_PORTABLE)
-#include <emmintrin.h>
-static inline double rpi_sqrt(double x) {
-  return _mm_cvtsd_f64(_mm_sqrt_sd(_mm_setzero_pd(), _mm_set_sd(x)));
-}
-#elif defined(__aarch64__) && !defined(RPI_PORTABLE)
-#include <arm_neon.h>
-static inline double rpi_sqrt(double x) {
-  return vget_lane_f64(vsqrt_f64(vdup_n_f64(x)), 0);
-}
-#else
-static double rpi_sqrt(double x) {
-  const uint64_t implicit = UINT64_C(0x0010000000000000);
-  uint64_t rest = rpi_bits(x);
-  uint64_t root = 0;
-  uint64_t bit = UINT64_C(0x0020000000000000);
-  int32_t exponent = (int32_t)((rest >> 52) & 0x7ffU);
-  if (exponent == 0x7ff || (rest >> 63) != 0U || rest == 0U) {
-    if (x == 0.0 || (exponent == 0x7ff && !(x < 0.0))) {
-      return x;
-    }
-    return (x - x) / (x - x);
-  }
-  rest &= implicit - 1U;
-  if (exponent == 0) {
-    exponent = 1;
-    while (rest < implicit) {
-      rest <<= 1;
-      exponent -= 1;
-    }
-  } else {
-    rest |= implicit;
-  }
-  exponent -= 0x3ff;
-  if ((exponent & 1) != 0) {
-    rest <<= 1;
-    exponent -= 1;
-  }
-  /* 53 digits and one more to round by. */
-  rest <<= 1;
-  {
-    uint64_t partial = 0;
-    for (; bit != 0U; bit >>= 1) {
-      const uint64_t trial = partial + bit;
-      if (trial <= rest) {
-        partial = trial + bit;
-        rest -= trial;
-        root += bit;
-      }
-      rest <<= 1;
-    }
-  }
-  root += root & 1U;
-  root >>= 1;
-  return rpi_real(root + ((uint64_t)(uint32_t)(exponent / 2 + 0x3fe) << 52));
-}
-#endif

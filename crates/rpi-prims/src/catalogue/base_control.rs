@@ -93,7 +93,7 @@ fn planar_error(position: Pose, goal: Pose) -> (f64, f64, f64) {
     let distance = libm::sqrt(way.x * way.x + way.y * way.y);
     (
         distance,
-        normalise_angle(libm::atan2(way.y, way.x) - heading),
+        normalise_angle(rpi_math::atan2(way.y, way.x) - heading),
         normalise_angle(wanted - heading),
     )
 }
@@ -121,7 +121,7 @@ fn differential(
 
 /// Returns the angle that differs from `angle` (rad) by full turns and lies in the range -π to π.
 fn normalise_angle(angle: f64) -> f64 {
-    libm::atan2(libm::sin(angle), libm::cos(angle))
+    rpi_math::atan2(rpi_math::sin(angle), rpi_math::cos(angle))
 }
 
 fn clamp_magnitude(value: f64, bound: f64) -> f64 {

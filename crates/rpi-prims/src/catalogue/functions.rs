@@ -12,7 +12,7 @@ primitive! {
     out { outValue: f64 }
     presence strict work 20;
     c Value("rpi_sin(inValue)");
-    pure |(x,)| (libm::sin(x),)
+    pure |(x,)| (rpi_math::sin(x),)
 }
 
 primitive! {
@@ -22,7 +22,7 @@ primitive! {
     out { outValue: f64 }
     presence strict work 20;
     c Value("rpi_cos(inValue)");
-    pure |(x,)| (libm::cos(x),)
+    pure |(x,)| (rpi_math::cos(x),)
 }
 
 primitive! {
@@ -32,7 +32,7 @@ primitive! {
     out { outValue: f64 }
     presence strict work 25;
     c Value("rpi_tan(inValue)");
-    pure |(x,)| (libm::tan(x),)
+    pure |(x,)| (rpi_math::tan(x),)
 }
 
 primitive! {
@@ -42,7 +42,7 @@ primitive! {
     out { outValue: f64 }
     presence strict work 20;
     c Value("rpi_asin(inValue)");
-    pure |(x,)| (libm::asin(x),)
+    pure |(x,)| (rpi_math::asin(x),)
 }
 
 primitive! {
@@ -52,7 +52,7 @@ primitive! {
     out { outValue: f64 }
     presence strict work 20;
     c Value("rpi_acos(inValue)");
-    pure |(x,)| (libm::acos(x),)
+    pure |(x,)| (rpi_math::acos(x),)
 }
 
 primitive! {
@@ -62,7 +62,7 @@ primitive! {
     out { outValue: f64 }
     presence strict work 30;
     c Value("rpi_atan2(inY, inX)");
-    pure |(y, x)| (libm::atan2(y, x),)
+    pure |(y, x)| (rpi_math::atan2(y, x),)
 }
 
 primitive! {
@@ -72,7 +72,7 @@ primitive! {
     out { outValue: f64 }
     presence strict work 60;
     c Value("rpi_pow(inFirst, inSecond)");
-    pure |(a, b)| (libm::pow(a, b),)
+    pure |(a, b)| (rpi_math::pow(a, b),)
 }
 
 primitive! {
@@ -92,5 +92,5 @@ primitive! {
     out { outValue: f64 }
     presence strict work 20;
     c Value("rpi_log(inValue)");
-    pure |(x,)| (libm::log(x),)
+    pure |(x,)| (rpi_math::log(x),)
 }

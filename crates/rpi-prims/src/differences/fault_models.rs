@@ -12,13 +12,13 @@ use rpi_image::{PortType, Scalar, Value};
 /// Models the fault that swaps sine and cosine, for a primitive that should compute the sine: returns the cosine of the
 /// recorded input.
 pub(super) fn sine_as_cosine(case: &DifferenceCase<'_>) -> Option<FaultyValue> {
-    Some(FaultyValue::value(libm::cos(case.input(0)?)))
+    Some(FaultyValue::value(rpi_math::cos(case.input(0)?)))
 }
 
 /// Models the fault that swaps sine and cosine, for a primitive that should compute the cosine: returns the sine of the
 /// recorded input.
 pub(super) fn cosine_as_sine(case: &DifferenceCase<'_>) -> Option<FaultyValue> {
-    Some(FaultyValue::value(libm::sin(case.input(0)?)))
+    Some(FaultyValue::value(rpi_math::sin(case.input(0)?)))
 }
 
 /// Returns the axis of a rotation as the reference system computes it: the z component is taken from the wrong elements
@@ -97,7 +97,7 @@ pub(super) fn from_quaternion(case: &DifferenceCase<'_>) -> Option<FaultyValue> 
     if (w > NO_ROTATION && w <= 1.0) || length == 0.0 {
         return Some(FaultyValue::value(Rotation::identity()));
     }
-    let turn = axis / length * (2.0 * libm::acos(w));
+    let turn = axis / length * (2.0 * rpi_math::acos(w));
     Some(FaultyValue::value(geometry::exp(turn)))
 }
 

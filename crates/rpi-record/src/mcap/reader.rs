@@ -47,6 +47,9 @@ pub struct Recording {
     pub cut: Option<String>,
     /// Whether the images were replaced by ones that export more flows than were recorded.
     pub(super) is_watched: bool,
+    /// Version of the elementary functions (sine, logarithm and others) with which the recording was made, as
+    /// [`rpi_math::REVISION`] counts them; 0 for those of the library libm, before recordings contained the version.
+    pub(super) functions: u32,
     parts: Vec<PartSource>,
 }
 
@@ -320,6 +323,7 @@ impl RecordCollection {
             program: self.key("program")?.to_owned(),
             continuity: policy_from_keyword(self.key("on_jump")?).unwrap_or_default(),
             cell: self.cell()?,
+            functions: self.functions_version(),
             images: self.images,
             requests: self.requests,
             events: self.events,
@@ -328,6 +332,11 @@ impl RecordCollection {
             is_watched: false,
             parts,
         })
+    }
+
+    fn functions_version(&self) -> u32 {
+        let version = self.key("functions").unwrap_or_default();
+        version.parse().unwrap_or(0)
     }
 
     fn cell(&self) -> Result<Cell, RecordingError> {

@@ -248,7 +248,7 @@ fn send_note(notes: &SyncSender<RecorderMessage>, lost: &AtomicU64, note: Record
     }
 }
 
-/// Returns keys and values of the metadata of a recording: versions, tick length, policy, and name and hash of the
+/// Returns keys and values of the metadata of a recording: versions of the program and of its elementary functions, tick length, policy, and name and hash of the
 /// program.
 fn metadata(
     origin: &RunSources,
@@ -263,5 +263,6 @@ fn metadata(
         ("program", origin.program.clone()),
         ("program_hash", format!("{hash:016x}")),
         ("version", env!("CARGO_PKG_VERSION").to_owned()),
+        ("functions", rpi_math::REVISION.to_string()),
     ]
 }

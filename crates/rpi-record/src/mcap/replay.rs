@@ -64,6 +64,8 @@ fn run_replay(
     let mut stage = ReplayRun::new(recording)?;
     stage.report.lost = recording.lost;
     stage.report.cut.clone_from(&recording.cut);
+    stage.report.functions =
+        (recording.functions != rpi_math::REVISION).then_some(recording.functions);
     recording.for_each_tick(|words| {
         let tick = LoggedTick::from_words(words);
         let tick =

@@ -25,6 +25,8 @@ pub struct ReplayReport {
     /// Reason why the recording has no end: it was cut off when the process was killed, or the disk was full. `None`
     /// for a complete recording.
     pub cut: Option<String>,
+    /// Version of the elementary functions of the recording, 0 for those of libm; `None` if they are the present ones.
+    pub functions: Option<u32>,
     /// First difference between the recording and the replay; `None` if there is none.
     pub difference: Option<Difference>,
 }
@@ -90,6 +92,14 @@ impl fmt::Display for ReplayReport {
         }
         if let Some(why) = &self.cut {
             writeln!(f, "the recording is cut off after these ticks: {why}")?;
+        }
+        if let (Some(_), Some(version)) = (&self.difference, self.functions) {
+            writeln!(
+                f,
+                "the recording was made with version {version} of sin, exp and others, this is version {}: \
+                 the last bits of their values differ",
+                rpi_math::REVISION
+            )?;
         }
         match &self.difference {
             Some(difference) => write!(f, "{difference}"),

@@ -31,7 +31,7 @@ impl Sensing {
             history: History::new(measured_sample(axes), 0),
             tick,
             lag_fraction: if spec.lag > 0.0 {
-                -libm::expm1(-tick / spec.lag)
+                -rpi_math::expm1(-tick / spec.lag)
             } else {
                 1.0
             },

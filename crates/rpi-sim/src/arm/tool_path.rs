@@ -5,6 +5,7 @@ use crate::device::{pose_from, real_at};
 use crate::error_code::ErrorCode;
 use nalgebra::Vector3;
 use rpi_kin::Pose;
+use rpi_kin::rotation::angle_between;
 use rpi_motion::Path;
 use rpi_motion::path::line::TURNING_LENGTH;
 use rpi_motion::path::spline::{MAX_POINTS, SHORTEST_CHORD};
@@ -130,7 +131,7 @@ fn spline(start: &Pose, target: &[u64]) -> Result<Path, ErrorCode> {
 
 /// Returns true if two poses are equal, apart from rounding.
 fn is_at(one: &Pose, other: &Pose) -> bool {
-    let turn = one.rotation.angle_to(&other.rotation);
+    let turn = angle_between(&one.rotation, &other.rotation);
     (one.translation.vector - other.translation.vector).norm() < SHORTEST_CHORD
         && turn * TURNING_LENGTH < SHORTEST_CHORD
 }

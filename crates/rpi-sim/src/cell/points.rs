@@ -6,7 +6,8 @@ use super::quantity::Dimension::{Angle, Inertia, Length, Mass};
 use super::read_document;
 use super::reader::TableReader;
 use core::ops::Range;
-use nalgebra::{Isometry3, UnitQuaternion, Vector3};
+use nalgebra::{Isometry3, Vector3};
+use rpi_kin::rotation::{from_rotation_vector, rotation_vector};
 
 /// Points, work frames and tools of a file `points.toml`, each list in text order.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -62,12 +63,12 @@ impl TaughtPose {
     fn new(pose: &Isometry3<f64>) -> Self {
         Self {
             position: pose.translation.vector.into(),
-            rotation: pose.rotation.scaled_axis().into(),
+            rotation: rotation_vector(&pose.rotation).into(),
         }
     }
 
     fn isometry(&self) -> Isometry3<f64> {
-        let rotation = UnitQuaternion::from_scaled_axis(Vector3::from(self.rotation));
+        let rotation = from_rotation_vector(Vector3::from(self.rotation));
         Isometry3::from_parts(Vector3::from(self.position).into(), rotation)
     }
 

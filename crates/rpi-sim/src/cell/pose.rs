@@ -43,7 +43,7 @@ pub(super) fn read_pose(pose: &mut TableReader<'_>) -> Isometry3<f64> {
 /// Returns the rotation `Rz(yaw) Ry(pitch) Rx(roll)` for angles in rad, with the same bits on every machine.
 fn from_rpy(roll: f64, pitch: f64, yaw: f64) -> UnitQuaternion<f64> {
     let about = |angle: f64, x: f64, y: f64, z: f64| {
-        let (sin, cos) = libm::sincos(angle / 2.0);
+        let (sin, cos) = rpi_math::sincos(angle / 2.0);
         UnitQuaternion::new_unchecked(Quaternion::new(cos, x * sin, y * sin, z * sin))
     };
     about(yaw, 0.0, 0.0, 1.0) * about(pitch, 0.0, 1.0, 0.0) * about(roll, 1.0, 0.0, 0.0)

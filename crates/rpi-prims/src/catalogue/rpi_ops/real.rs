@@ -115,7 +115,7 @@ primitive! {
     out { outValue: f64 }
     presence strict work 30;
     c Value("rpi_exp(inValue)");
-    pure |(a,): (f64,)| (libm::exp(a),)
+    pure |(a,): (f64,)| (rpi_math::exp(a),)
 }
 
 primitive! {
@@ -125,7 +125,7 @@ primitive! {
     out { outValue: f64 }
     presence strict work 40;
     c Value("rpi_tanh(inValue)");
-    pure |(a,): (f64,)| (libm::tanh(a),)
+    pure |(a,): (f64,)| (rpi_math::tanh(a),)
 }
 
 primitive! {
@@ -135,5 +135,5 @@ primitive! {
     out { outValue: f64 }
     presence strict work 30;
     c Value("rpi_atan(inValue)");
-    pure |(a,): (f64,)| (libm::atan(a),)
+    pure |(a,): (f64,)| (rpi_math::atan(a),)
 }

@@ -4,6 +4,7 @@ use super::RobotDescription;
 use crate::noise::Noise;
 use core::fmt;
 use rpi_kin::chain::JointType;
+use rpi_kin::rotation::angle_between;
 use rpi_kin::{ArmModel, AxisLimits, InverseKinematics, MAX_AXES};
 
 /// Summary of a robot description, with a test of its inverse kinematics on random poses.
@@ -62,7 +63,9 @@ impl InverseReport {
         self.found += 1;
         let way = reached.translation.vector - pose.translation.vector;
         self.distance = self.distance.max(way.norm());
-        self.angle = self.angle.max(reached.rotation.angle_to(&pose.rotation));
+        self.angle = self
+            .angle
+            .max(angle_between(&reached.rotation, &pose.rotation));
     }
 }
 
