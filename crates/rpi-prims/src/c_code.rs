@@ -48,7 +48,7 @@ pub enum CForm {
 /// Returns the C functions that the code of primitives uses, elementary functions first: texts of definitions, each after a line
 /// `/*# name */`.
 pub fn support() -> impl Iterator<Item = &'static str> {
-    rpi_math::C_SOURCES.iter().chain(support).copied()
+    rpi_math::C_SOURCES.iter().chain(SUPPORT).copied()
 }
 
 const SUPPORT: &[&str] = &[

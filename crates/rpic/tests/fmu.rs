@@ -1,6 +1,6 @@
 //! `rpic compile --emit fmu`: units that FMPy validates and simulates, with the bits of the core.
 //!
-//! `RPI_FMPY` is the Python interpreter that has the package `fmpy`; `python3` by default.
+//! `RPI_FMPY` is the Python interpreter that has the package `fmpy`.
 
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output};
@@ -22,17 +22,23 @@ fn rpic(args: &[&str]) -> Output {
         .unwrap()
 }
 
-/// Returns the Python interpreter with `fmpy`; `None` if there is none.
+/// Returns the Python interpreter with `fmpy`: the one that `RPI_FMPY` names, that `.ci/run` sets up, or that of the system.
+/// `None` if there is none.
 fn python() -> Option<String> {
-    let python = std::env::var("RPI_FMPY").unwrap_or_else(|_| "python3".to_owned());
-    let output = Command::new(&python).args(["-c", "import fmpy"]).output();
-    let has_fmpy = output.is_ok_and(|output| output.status.success());
+    let own = workspace_root().join("target/python/bin/python");
+    let named = std::env::var("RPI_FMPY").ok();
+    let candidates = [named, Some(own.display().to_string()), Some("python3".to_owned())];
+    let has_fmpy = |python: &String| {
+        let output = Command::new(python).args(["-c", "import fmpy"]).output();
+        output.is_ok_and(|output| output.status.success())
+    };
+    let python = candidates.into_iter().flatten().find(has_fmpy);
     let has_compiler = Command::new("cc").arg("--version").output().is_ok();
-    if !has_fmpy || !has_compiler {
+    if python.is_none() || !has_compiler {
         report_skip("fmpy (set RPI_FMPY) or cc is not installed");
         return None;
     }
-    Some(python)
+    python
 }
 
 /// Runs the script `data/simulate.py`. Returns the lines that it prints.
