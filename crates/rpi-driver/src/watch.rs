@@ -67,11 +67,7 @@ impl<'o> Watch<'o> {
     /// Returns the watched names that no flow of any command has.
     pub(crate) fn unknown_names(&self) -> Vec<UnknownFlow> {
         let (flows, commands) = (self.flows.borrow(), self.commands.borrow());
-        let is_known = |name: &str| {
-            flows
-                .iter()
-                .any(|flow| name_contains(name, flow) || name_contains(flow, name))
-        };
+        let is_known = |name: &str| flows.iter().any(|flow| name_contains(name, flow));
         let unknown = self.names.iter().filter(|name| !is_known(name));
         let all = || flows.iter().chain(commands.iter()).map(String::as_str);
         let unknown = unknown.map(|name| UnknownFlow {

@@ -65,7 +65,9 @@ fn select<'r>(run: &'r RunData, names: &[String]) -> Result<Vec<ExportColumn<'r>
     };
     for name in names {
         if !all.iter().any(|column| selects(name, column)) {
-            let near = rpi_diag::suggest(name, all.iter().map(|column| column.name.as_str()));
+            let topics = run.topics.iter().map(|topic| topic.name.as_str());
+            let columns = all.iter().map(|column| column.name.as_str());
+            let near = rpi_diag::suggest(name, topics.chain(columns));
             let help = near.map_or_else(String::new, |near| format!("; did you mean `{near}`?"));
             return Err(format!("the recording has no column `{name}`{help}").into());
         }

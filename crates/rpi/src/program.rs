@@ -16,16 +16,33 @@ pub(crate) fn load(
 
 /// Compiles the content of a file and prints its diagnostics. Returns an error if it does not compile, or if a flow that is to be
 /// watched does not exist.
-pub(crate) fn compile(
+fn compile(input: &Input, options: CompileOptions) -> Result<Compiled, Box<dyn std::error::Error>> {
+    let compiled = rpi_driver::compile_with(input, options)?;
+    print_diagnostics(&compiled);
+    usable(compiled, input)
+}
+
+/// Compiles a program that was compiled before, so that only errors are printed.
+pub(crate) fn compile_again(
     input: &Input,
     options: CompileOptions,
 ) -> Result<Compiled, Box<dyn std::error::Error>> {
     let compiled = rpi_driver::compile_with(input, options)?;
+    if compiled.has_errors() {
+        print_diagnostics(&compiled);
+    }
+    usable(compiled, input)
+}
+
+fn print_diagnostics(compiled: &Compiled) {
     let style = Style::for_stream(&std::io::stderr());
     rpi_diag::print_stderr!(
         "{}",
         render(&compiled.diagnostics, &compiled.sources, style)
     );
+}
+
+fn usable(compiled: Compiled, input: &Input) -> Result<Compiled, Box<dyn std::error::Error>> {
     if compiled.has_errors() {
         return Err(format!("{} does not compile", input.path.display()).into());
     }

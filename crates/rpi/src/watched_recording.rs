@@ -46,7 +46,7 @@ pub(crate) fn compiled_again(
             watch: watch.to_vec(),
             ..options.clone()
         };
-        program::compile(&input, options)
+        program::compile_again(&input, options)
     };
     let (plain, watched) = (compile(&[])?, compile(names)?);
     let period = recording.tick_ns;

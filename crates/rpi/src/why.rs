@@ -7,7 +7,7 @@ use std::path::PathBuf;
 use clap::Args;
 use rpi_core::CommandId;
 use rpi_driver::{AnalysedNet, Compiled};
-use rpi_net::PortRef;
+use rpi_net::{ExportPort, PortRef};
 use rpi_record::mcap::{Recording, replay_observed};
 use rpi_replay::why::{History, Why, WhyStep, why};
 
@@ -76,13 +76,16 @@ fn requested_ports<'n>(
         let rest = key.strip_prefix(inside);
         rest.is_some_and(|rest| rest.is_empty() || rest.starts_with(['.', '[']))
     };
-    let exports = net
-        .exports
-        .iter()
-        .filter(|export| is_requested(&export.key));
-    exports
-        .map(|export| (net, export.key.clone(), export.source))
-        .collect()
+    let named = |export: &ExportPort| (net, export.key.clone(), export.source);
+    let exports = || net.exports.iter();
+    // The value of a call has the name of the call, which also stands for all flows inside.
+    match exports().find(|export| export.key == inside) {
+        Some(export) => vec![named(export)],
+        None => {
+            let requested = exports().filter(|export| is_requested(&export.key));
+            requested.map(named).collect()
+        }
+    }
 }
 
 fn not_one_value(flow: &str, requested: &[(&AnalysedNet, String, PortRef)]) -> String {

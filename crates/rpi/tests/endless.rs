@@ -5,7 +5,7 @@ use std::process::{Command, Stdio};
 use std::time::Duration;
 
 /// Digest of a minute of the arm: the same in every build, on every machine.
-const MINUTE: &str = "44b64b7b943b7185";
+const MINUTE: &str = "be6687103bef8039";
 
 /// Writes the example with its nine rounds made endless.
 fn endless(folder: &Path) -> std::path::PathBuf {

@@ -27,7 +27,11 @@ fn rpic(args: &[&str]) -> Output {
 fn python() -> Option<String> {
     let own = workspace_root().join("target/python/bin/python");
     let named = std::env::var("RPI_FMPY").ok();
-    let candidates = [named, Some(own.display().to_string()), Some("python3".to_owned())];
+    let candidates = [
+        named,
+        Some(own.display().to_string()),
+        Some("python3".to_owned()),
+    ];
     let has_fmpy = |python: &String| {
         let output = Command::new(python).args(["-c", "import fmpy"]).output();
         output.is_ok_and(|output| output.status.success())

@@ -232,7 +232,7 @@ fn a_pause_stops_the_arm_while_chunks_go_on_coming() {
             session.rests_for(2.0 * braking_time(model) + 0.5);
             assert!(session.rests_for(3.0), "{} seed {seed} moves", model.id);
             session.set_paused(false);
-            session.run_chunks(6);
+            session.run_chunks(12);
             let error = session.error();
             assert!(error < 0.06, "{} seed {seed}: {error}", model.id);
             assert!(session.watch.is_within(), "{:?}", session.watch.worst);

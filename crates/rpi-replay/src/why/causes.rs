@@ -144,22 +144,51 @@ impl View<'_> {
         }
         let holds = value.and_then(<[u64]>::first).map(|word| *word != 0);
         match short_name(name) {
-            "Conditional" => match self.boolean(0) {
-                Some(true) => self.ports([0, 1]),
-                Some(false) => self.ports([0, 2]),
-                None => self.ports([0]),
-            },
+            "Conditional" => self.conditional(),
             "Coalesce" => match self.input(0) {
                 Some(_) => self.ports([0]),
                 None => self.ports([0, 1]),
             },
-            "Hold" => match self.input(0) {
-                Some(_) => self.ports([0]),
-                None => self.all(),
-            },
+            "Hold" => self.held(),
             "And" if holds == Some(false) => self.with_value(false),
             "Or" if holds == Some(true) => self.with_value(true),
             _ => self.all(),
+        }
+    }
+
+    /// The condition and the chosen branch. Whether it is the first cycle is no cause that a user looks for, but its effect is: the
+    /// first value, or the value before.
+    fn conditional(&self) -> Causes {
+        let Some(holds) = self.boolean(0) else {
+            return self.ports([0]);
+        };
+        let branch = if holds { 1 } else { 2 };
+        if !self.is_first_cycle_test(0) {
+            return self.ports([0, branch]);
+        }
+        match self.ports([branch]) {
+            Causes::Ports(ports) if ports.is_empty() => Causes::Root("the first value".to_owned()),
+            causes => causes,
+        }
+    }
+
+    fn is_first_cycle_test(&self, number: usize) -> bool {
+        let port = self.node.inputs.get(number).and_then(Input::port);
+        port.is_some_and(|port| self.net.node(port.node).desc().role == Role::First)
+    }
+
+    /// A held value is that of the last cycle in which the input was present.
+    fn held(&self) -> Causes {
+        let Some(source) = self.node.inputs.first().and_then(Input::port) else {
+            return self.all();
+        };
+        let cycles = (0..=self.cycle)
+            .rev()
+            .take_while(|cycle| self.history.knows(*cycle));
+        let mut present = cycles.filter(|cycle| self.history.value(source, *cycle).is_some());
+        match present.next() {
+            Some(cycle) => Causes::Ports(vec![(source, cycle)]),
+            None => self.all(),
         }
     }
 

@@ -3,15 +3,15 @@
 //!
 //! A cause is an input without which the value could be another one: of an `if`, the condition and the chosen branch; of a false `and`, a
 //! false operand; of an absent value, an absent operand; of an inactive fragment, its condition. Causes are followed through delays to earlier
-//! cycles, down to inputs, sensors, constants and first values.
+//! cycles, down to inputs, sensors, constants and first values. The earlier value of a flow on its own way back, as of a counter, ends the way.
 
 mod causes;
 mod history;
 
-use std::collections::BTreeSet;
+use std::collections::{BTreeSet, VecDeque};
 
 use rpi_diag::Span;
-use rpi_net::{Net, PortRef, strip_unnamed_calls};
+use rpi_net::{FragmentId, Net, PortRef, strip_unnamed_calls};
 
 use causes::{Causes, causes};
 pub use history::History;
@@ -58,10 +58,10 @@ pub fn why(net: &Net, history: &History, port: PortRef, name: &str, cycle: u64) 
         history,
         seen: BTreeSet::new(),
         answer: Why::default(),
-        open: Vec::new(),
+        open: VecDeque::new(),
     };
     let first = slice.step(None, name.to_owned(), port, cycle);
-    slice.open.push((port, cycle, first));
+    slice.open.push_back((port, cycle, first));
     slice.run();
     slice.answer
 }
@@ -74,12 +74,12 @@ struct Slice<'a> {
     seen: BTreeSet<(u32, u8, u64)>,
     answer: Why,
     /// Values to be followed, with the step to which their causes belong.
-    open: Vec<(PortRef, u64, usize)>,
+    open: VecDeque<(PortRef, u64, usize)>,
 }
 
 impl Slice<'_> {
     fn run(&mut self) {
-        while let Some((port, cycle, step)) = self.open.pop() {
+        while let Some((port, cycle, step)) = self.open.pop_front() {
             if !self.seen.insert((port.node.0, port.port, cycle)) {
                 continue;
             }
@@ -95,10 +95,8 @@ impl Slice<'_> {
         match causes(self.net, self.history, port, cycle) {
             Causes::Ports(ports) if ports.is_empty() => self.root(step, "a constant".into(), cycle),
             Causes::Ports(ports) => {
-                // The last one is followed first: the order of the operands is kept.
-                for (cause, cycle) in ports.into_iter().rev() {
-                    let step = self.step_of(cause, cycle, step);
-                    self.open.push((cause, cycle, step));
+                for (cause, cycle) in ports {
+                    self.add_cause(cause, cycle, step);
                 }
             }
             Causes::Root(text) => self.root(step, text, cycle),
@@ -122,32 +120,57 @@ impl Slice<'_> {
                     is_root: condition.is_none(),
                 });
                 if let Some(condition) = condition {
-                    let step = self.step_of(condition, cycle, inactive);
-                    self.open.push((condition, cycle, step));
+                    self.add_cause(condition, cycle, inactive);
                 }
             }
         }
     }
 
-    /// Returns the step for a value: a new one if it is that of another flow than the value that it explains, else the same.
-    fn step_of(&mut self, port: PortRef, cycle: u64, of: usize) -> usize {
-        let name = self.flow_name(port);
-        let parent = &mut self.answer.steps[of];
-        let Some(name) = name else {
-            return of;
-        };
-        if parent.name == name {
-            let same = value_text(self.net, self.history, port, cycle) == parent.value;
-            // A value that a delay has kept is one step.
-            if cycle == parent.cycle || (same && cycle + 1 >= parent.since) {
-                parent.since = parent.since.min(cycle);
-                return of;
-            }
+    /// Adds a value as a cause of a step: to the step if it belongs to the same flow, else as a step of its own.
+    fn add_cause(&mut self, port: PortRef, cycle: u64, of: usize) {
+        if self.seen.contains(&(port.node.0, port.port, cycle)) {
+            return;
         }
-        self.step(Some(of), name, port, cycle)
+        let Some(name) = self.flow_name(port) else {
+            return self.open.push_back((port, cycle, of));
+        };
+        let value = value_text(self.net, self.history, port, cycle);
+        let parent = &mut self.answer.steps[of];
+        // A value that a delay has kept is one step.
+        if parent.name == name
+            && (cycle == parent.cycle || (value == parent.value && cycle + 1 >= parent.since))
+        {
+            parent.since = parent.since.min(cycle);
+            return self.open.push_back((port, cycle, of));
+        }
+        let is_listed = |step: &WhyStep| step.name == name && step.cycle == cycle;
+        if self.answer.steps.iter().any(is_listed) {
+            return;
+        }
+        let is_own_past = self.explains(of, &name);
+        let step = self.step(Some(of), name, port, cycle);
+        if is_own_past {
+            // A counter or a filter: the question can be put again for the earlier cycle.
+            self.answer.steps[step].is_root = true;
+            self.seen.insert((port.node.0, port.port, cycle));
+        } else {
+            self.open.push_back((port, cycle, step));
+        }
     }
 
-    /// Returns the name of the flow that a node defines; `None` for a part of an expression.
+    /// Returns whether a step is a cause, directly or not, of a value of the flow called `name`, or such a value itself.
+    fn explains(&self, step: usize, name: &str) -> bool {
+        let mut next = Some(step);
+        while let Some(step) = next.map(|next| &self.answer.steps[next]) {
+            if step.name == name {
+                return true;
+            }
+            next = step.of;
+        }
+        false
+    }
+
+    /// Returns the name of the flow that a node defines, with the fragments around it; `None` for a part of an expression.
     fn flow_name(&self, port: PortRef) -> Option<String> {
         let node = self.net.node(port.node);
         let flow = node.origin.flow.as_deref()?;
@@ -156,7 +179,10 @@ impl Slice<'_> {
             .rsplit('.')
             .next()
             .is_some_and(|name| name.contains('#'));
-        (!is_part).then(|| strip_unnamed_calls(flow))
+        (!is_part).then(|| {
+            let path = fragment_path(self.net, node.fragment);
+            format!("{path}{}", strip_unnamed_calls(flow))
+        })
     }
 
     fn step(&mut self, of: Option<usize>, name: String, port: PortRef, cycle: u64) -> usize {
@@ -195,6 +221,18 @@ impl Slice<'_> {
         self.answer.steps.push(step);
         self.answer.steps.len() - 1
     }
+}
+
+/// Returns the names of the fragments from the root of the net to this one, with a dot after each.
+fn fragment_path(net: &Net, fragment: FragmentId) -> String {
+    let around = std::iter::successors(Some(fragment), |id| net.fragment(*id).parent);
+    let named = around.map(|id| net.fragment(id));
+    let named = named.filter(|fragment| !fragment.name.is_empty() && !fragment.is_clock);
+    let mut names: Vec<String> = named
+        .map(|fragment| format!("{}.", fragment.name))
+        .collect();
+    names.reverse();
+    names.concat()
 }
 
 fn value_text(net: &Net, history: &History, port: PortRef, cycle: u64) -> String {

@@ -57,7 +57,7 @@ pub fn contains(name: &str, inner: &str) -> bool {
 #[derive(Default)]
 pub(super) struct Watch {
     pub(super) selection: FlowSelection,
-    /// Names of all flows of the net, if some are to be watched.
+    /// Names of all flows of the net, and of the scalar parts of the watched ones, if some are to be watched.
     pub(super) names: Vec<String>,
 }
 
@@ -106,6 +106,9 @@ fn export_flow<'u>(
         .ty
         .for_each_leaf(&mut |path, ty| leaves.push((format!("{name}{path}"), ty.clone())));
     for ((key, ty), signal) in leaves.into_iter().zip(wire.iter()) {
+        if key != name {
+            elab.watch.names.push(key.clone());
+        }
         if elab.kept_exports.len() < MAX_WATCHED && elab.watch.selection.selects_leaf(&key) {
             let port = export_port(elab, &key, signal, &ty, at, declared.span);
             elab.kept_exports.extend(port);

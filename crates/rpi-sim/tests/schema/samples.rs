@@ -60,6 +60,7 @@ width = 0.05
 speed = 0.1
 force = "20 N"
 object = "30 mm"
+script = [{ at = 1, value = true }, { at = 2, value = false }]
 
 [devices.probe]
 kind = "force-torque"
@@ -83,6 +84,8 @@ kind = "spindle"
 velocity = "100 rad/s"
 acceleration = 200
 tolerance = 1
+torque = 2
+seat = 50
 watchdog = 2
 "#;
 
