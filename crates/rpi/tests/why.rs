@@ -85,6 +85,6 @@ fn a_question_without_one_value_is_refused_with_a_way_out() {
         status == 2 && message.contains("`Main` is the name of a command"),
         "{message}"
     );
-    let (status, _, message) = rpi(&["why", file, "Main.alarm", "--at", "1h"]);
+    let (status, _, message) = rpi(&["why", file, "Main.alarm", "--at", "3600s"]);
     assert_eq!(status, 0, "the last cycle counts: {message}");
 }

@@ -229,8 +229,9 @@ fn a_pause_stops_the_arm_while_chunks_go_on_coming() {
             let mut session = Session::new(model, kind, seed);
             session.run_chunks(5);
             session.set_paused(true);
-            session.rests_for(2.0 * braking_time(model) + 0.5);
-            assert!(session.rests_for(3.0), "{} seed {seed} moves", model.id);
+            session.fastest_within(2.0 * braking_time(model) + 0.5);
+            let fastest = session.fastest_within(3.0);
+            assert!(fastest < 1e-9, "{} seed {seed}: {fastest}", model.id);
             session.set_paused(false);
             session.run_chunks(12);
             let error = session.error();

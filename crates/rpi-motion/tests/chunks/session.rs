@@ -253,13 +253,10 @@ impl Session {
         self.controls.paused = paused;
     }
 
-    /// Sends chunks until `duration` seconds have passed. Returns true if the arm was at rest in every cycle.
-    pub(crate) fn rests_for(&mut self, duration: f64) -> bool {
-        let (end, rested, cycles) = (
-            self.time + duration,
-            self.outcome.at_rest,
-            self.outcome.errors.len(),
-        );
+    /// Sends chunks until `duration` seconds have passed. Returns the largest velocity of an axis in this time, rad/s.
+    pub(crate) fn fastest_within(&mut self, duration: f64) -> f64 {
+        let end = self.time + duration;
+        let mut fastest = 0.0f64;
         while self.time < end {
             self.send();
             while self
@@ -267,11 +264,12 @@ impl Session {
                 .as_ref()
                 .is_some_and(|sent| self.time < sent.arrives)
             {
-                self.cycle(true);
+                let velocities = self.cycle(true).state.velocity;
+                fastest = velocities.iter().fold(fastest, |most, v| most.max(v.abs()));
             }
             self.receive();
         }
-        self.outcome.at_rest - rested == self.outcome.errors.len() - cycles
+        fastest
     }
 
     /// Distance of the last set-point from the curve of the policy, rad.

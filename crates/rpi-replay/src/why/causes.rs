@@ -218,14 +218,14 @@ impl View<'_> {
 
 /// Returns the part of a primitive's name that names the operation: `And` for `Core::BooleanAnd`.
 fn short_name(name: &str) -> &str {
-    ["Conditional", "Coalesce", "Hold"]
+    let general = ["Conditional", "Coalesce", "Hold"]
         .into_iter()
-        .find(|operation| name.ends_with(operation))
-        .unwrap_or_else(|| match name {
-            "Core::BooleanAnd" => "And",
-            "Core::BooleanOr" => "Or",
-            _ => "",
-        })
+        .find(|operation| name.ends_with(operation));
+    general.unwrap_or(match name {
+        "Core::BooleanAnd" => "And",
+        "Core::BooleanOr" => "Or",
+        _ => "",
+    })
 }
 
 fn flow_text(flow: CommandFlow) -> &'static str {
