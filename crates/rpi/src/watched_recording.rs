@@ -29,13 +29,13 @@ pub(crate) fn watch(
 }
 
 /// Compiles the program of a recording again, with the flows called `names` exported, and replaces the images of the recording by
-/// those that `lower` makes for the period of the cycle in ns. Returns the program, and the images in the order of its nets.
+/// those that `lower` makes for the period of the cycle in ns. Returns the program.
 pub(crate) fn compiled_again(
     recording: &mut Recording,
     names: &[String],
     program: Option<&Path>,
     lower: fn(&AnalysedNet, u64) -> Result<Image, LowerError>,
-) -> Result<(Compiled, Vec<Arc<Image>>), Box<dyn Error>> {
+) -> Result<Compiled, Box<dyn Error>> {
     let (input, options) = match program {
         Some(file) => (rpi_driver::read(file)?, CompileOptions::default()),
         None => stored_program(recording)?,
@@ -66,10 +66,7 @@ pub(crate) fn compiled_again(
         )
         .into());
     }
-    Ok((
-        watched,
-        images.into_iter().map(|(_, image)| image).collect(),
-    ))
+    Ok(watched)
 }
 
 /// Returns the program of a recording, with the options that its cell demands.

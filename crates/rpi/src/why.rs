@@ -34,7 +34,7 @@ pub(crate) struct WhyArgs {
 pub(crate) fn why_command(args: &WhyArgs) -> CommandResult {
     let mut recording = recorded_run::open(&args.recording)?;
     let names = std::slice::from_ref(&args.flow);
-    let (compiled, _) = compiled_again(
+    let compiled = compiled_again(
         &mut recording,
         names,
         args.program.as_deref(),
