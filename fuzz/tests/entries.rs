@@ -9,8 +9,8 @@ use rpi_testkit::{files_below, workspace_root};
 
 /// Maximum number of mutated seeds per entry point, and the time limit for them. `RPI_SECONDS=3600` makes a run of this
 /// time instead, `RPI_ENTRY=http` one with a single entry point.
-const MUTATIONS: usize = 400;
-const TIME: Duration = Duration::from_secs(2);
+const MUTATIONS: usize = 200;
+const TIME: Duration = Duration::from_secs(1);
 
 #[test]
 fn no_input_makes_an_entry_panic_hang_or_take_memory_without_end() {
