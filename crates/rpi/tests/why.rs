@@ -69,6 +69,38 @@ fn the_slice_names_the_cause_and_nothing_beside_it() {
     }
 }
 
+/// The library reads sensors that an optimised command does not need, and calls functions of the arm.
+#[test]
+fn motions_of_arms_are_explained() {
+    let recorded = tempfile::tempdir().unwrap();
+    let file = recorded.path().join("run.mcap");
+    let file = file.to_str().unwrap();
+    let (status, _, message) = rpi(&[
+        "run",
+        "../../examples/lifting/lifting.rpi",
+        "--record",
+        file,
+    ]);
+    assert_eq!(status, 0, "{message}");
+    let (status, answer, message) = rpi(&["why", file, "Over.way.done"]);
+    assert!(
+        status == 0 && answer.starts_with("way.done = true at "),
+        "{answer}{message}"
+    );
+    let (status, table, message) = rpi(&[
+        "export",
+        file,
+        "--watch",
+        "Over.way",
+        "--column",
+        "/command/Over",
+    ]);
+    assert!(
+        status == 0 && table.contains("/command/Over/way.travelled"),
+        "{message}"
+    );
+}
+
 #[test]
 fn a_question_without_one_value_is_refused_with_a_way_out() {
     let recorded = tempfile::tempdir().unwrap();
