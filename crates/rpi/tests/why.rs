@@ -1,31 +1,20 @@
 //! `rpi why` on programs with a known cause. Each file `tests/why/NAME.rpi` begins with the question; `NAME.txt` is the answer.
 //! `RPI_BLESS=1` writes the answers.
 
+mod support;
+
 use std::path::{Path, PathBuf};
-use std::process::Command;
+use support::rpi_texts;
 
-fn folder() -> PathBuf {
-    Path::new(env!("CARGO_MANIFEST_DIR")).join("../../tests/why")
-}
-
-fn rpi(arguments: &[&str]) -> (i32, String, String) {
-    let mut command = Command::new(env!("CARGO_BIN_EXE_rpi"));
-    let output = command
-        .args(arguments)
-        .current_dir(folder())
-        .env("NO_COLOR", "1")
-        .output()
-        .unwrap();
-    let text = |bytes: &[u8]| String::from_utf8_lossy(bytes).into_owned();
-    (
-        output.status.code().unwrap(),
-        text(&output.stdout),
-        text(&output.stderr),
-    )
+/// Returns a path below the root of the project.
+fn below_root(path: &str) -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR"))
+        .join("../..")
+        .join(path)
 }
 
 fn programs() -> Vec<PathBuf> {
-    let files = std::fs::read_dir(folder())
+    let files = std::fs::read_dir(below_root("tests/why"))
         .unwrap()
         .map(|entry| entry.unwrap().path());
     let mut files: Vec<PathBuf> = files
@@ -48,13 +37,10 @@ fn the_slice_names_the_cause_and_nothing_beside_it() {
         let flow = question.unwrap_or_else(|| panic!("{} asks nothing", program.display()));
         let recorded = tempfile::tempdir().unwrap();
         let file = recorded.path().join("run.mcap");
-        let (name, file) = (
-            program.file_name().unwrap().to_str().unwrap(),
-            file.to_str().unwrap(),
-        );
-        let (status, _, message) = rpi(&["run", name, "--record", file]);
+        let (name, file) = (program.to_str().unwrap(), file.to_str().unwrap());
+        let (status, _, message) = rpi_texts(&["run", name, "--record", file]);
         assert_eq!(status, 0, "{name}: {message}");
-        let (status, answer, message) = rpi(&["why", file, flow]);
+        let (status, answer, message) = rpi_texts(&["why", file, flow]);
         assert_eq!(status, 0, "{name}: {message}");
         let answer: String = answer
             .lines()
@@ -75,19 +61,15 @@ fn motions_of_arms_are_explained() {
     let recorded = tempfile::tempdir().unwrap();
     let file = recorded.path().join("run.mcap");
     let file = file.to_str().unwrap();
-    let (status, _, message) = rpi(&[
-        "run",
-        "../../examples/lifting/lifting.rpi",
-        "--record",
-        file,
-    ]);
+    let program = below_root("examples/lifting/lifting.rpi");
+    let (status, _, message) = rpi_texts(&["run", program.to_str().unwrap(), "--record", file]);
     assert_eq!(status, 0, "{message}");
-    let (status, answer, message) = rpi(&["why", file, "Over.way.done"]);
+    let (status, answer, message) = rpi_texts(&["why", file, "Over.way.done"]);
     assert!(
         status == 0 && answer.starts_with("way.done = true at "),
         "{answer}{message}"
     );
-    let (status, table, message) = rpi(&[
+    let (status, table, message) = rpi_texts(&[
         "export",
         file,
         "--watch",
@@ -106,17 +88,19 @@ fn a_question_without_one_value_is_refused_with_a_way_out() {
     let recorded = tempfile::tempdir().unwrap();
     let file = recorded.path().join("run.mcap");
     let file = file.to_str().unwrap();
-    assert_eq!(rpi(&["run", "through-a-call.rpi", "--record", file]).0, 0);
-    let (status, _, message) = rpi(&["why", file, "Main.alram"]);
+    let program = below_root("tests/why/through-a-call.rpi");
+    let (status, _, message) = rpi_texts(&["run", program.to_str().unwrap(), "--record", file]);
+    assert_eq!(status, 0, "{message}");
+    let (status, _, message) = rpi_texts(&["why", file, "Main.alram"]);
     assert!(
         status == 2 && message.contains("did you mean `Main.alarm`"),
         "{message}"
     );
-    let (status, _, message) = rpi(&["why", file, "Main"]);
+    let (status, _, message) = rpi_texts(&["why", file, "Main"]);
     assert!(
         status == 2 && message.contains("`Main` is the name of a command"),
         "{message}"
     );
-    let (status, _, message) = rpi(&["why", file, "Main.alarm", "--at", "3600s"]);
+    let (status, _, message) = rpi_texts(&["why", file, "Main.alarm", "--at", "3600s"]);
     assert_eq!(status, 0, "the last cycle counts: {message}");
 }

@@ -32,7 +32,7 @@ pub struct RecordingSummary {
 pub struct RecordedCommand {
     /// Name of the command.
     pub name: String,
-    /// Number of the command, which tells apart commands with the same name.
+    /// Number of the command, which distinguishes commands with the same name.
     pub number: u64,
     /// Number of the tick in which the command was started.
     pub started: u64,

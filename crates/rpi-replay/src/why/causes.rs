@@ -156,8 +156,8 @@ impl View<'_> {
         }
     }
 
-    /// The condition and the chosen branch. Whether it is the first cycle is no cause that a user looks for, but its effect is: the
-    /// first value, or the value before.
+    /// The condition and the chosen branch. Whether this is the first cycle is left out; its effect is shown: the first value,
+    /// or the value before.
     fn conditional(&self) -> Causes {
         let Some(holds) = self.boolean(0) else {
             return self.ports([0]);

@@ -13,6 +13,14 @@ pub(crate) fn rpi(arguments: &[&str]) -> Output {
     rpi.args(arguments).env("NO_COLOR", "1").output().unwrap()
 }
 
+/// Runs the tool without colours. Returns the exit status, standard output and standard error.
+pub(crate) fn rpi_texts(arguments: &[&str]) -> (i32, String, String) {
+    let output = rpi(arguments);
+    let text = |bytes: &[u8]| String::from_utf8_lossy(bytes).into_owned();
+    let status = output.status.code().unwrap();
+    (status, text(&output.stdout), text(&output.stderr))
+}
+
 /// Returns standard output, then standard error.
 pub(crate) fn output_text(output: &Output) -> String {
     let [out, err] = [&output.stdout, &output.stderr].map(|bytes| String::from_utf8_lossy(bytes));
