@@ -3,6 +3,8 @@
 //! A small compressed file can hold any amount of content, and a device file has no end. Without a limit, such a file
 //! takes all memory of the machine before anything is looked at.
 
+pub mod framing;
+
 use std::fs::File;
 use std::io::{self, BufRead, ErrorKind, Read};
 use std::path::Path;

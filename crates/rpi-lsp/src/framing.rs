@@ -1,10 +1,11 @@
-//! Message framing: a header with the length, then JSON (JSON-RPC 2.0). An invalid message is answered with an error,
+//! Messages of the protocol: JSON-RPC 2.0. An invalid message is answered with an error,
 //! and reading continues with the next one.
 
-use std::io::{self, BufRead, Read, Write};
+use std::io::{self, BufRead, Write};
 use std::sync::mpsc::{Receiver, Sender};
 
 use lsp_server::{ErrorCode, Message, RequestId, Response};
+use rpi_files::framing::{read_message, write_message};
 use serde_json::Value;
 
 use crate::cancellation::Cancellations;
@@ -13,13 +14,6 @@ use crate::dispatch::RequestError;
 /// Message received from the client, or the error response to a message that is invalid.
 pub(crate) type Received = Result<Message, Value>;
 
-/// Maximum length of a message in bytes (256 MiB). A longer message is skipped, so that a wrong length cannot exhaust
-/// the memory.
-const MAX_LENGTH: u64 = 256 << 20;
-
-/// Maximum length of a header line in bytes. A longer line is read in parts of this length.
-const MAX_LINE: u64 = 4096;
-
 /// Reads messages from the client until the end of the input, and sends them to the channel. Cancellations of requests
 /// are recorded as soon as they arrive.
 pub(crate) fn read_all(
@@ -27,7 +21,7 @@ pub(crate) fn read_all(
     to: &Sender<Received>,
     cancellations: &Cancellations,
 ) {
-    while let Ok(Some(body)) = read_body(&mut input) {
+    while let Ok(Some(body)) = read_message(&mut input) {
         let message = parse_message(&body);
         if let Ok(message) = &message {
             cancellations.record(message);
@@ -44,45 +38,9 @@ pub(crate) fn read_all(
 /// Returns an error if writing fails.
 pub(crate) fn write_all(mut output: impl Write, from: &Receiver<Value>) -> io::Result<()> {
     for message in from {
-        let text = message.to_string();
-        write!(output, "Content-Length: {}\r\n\r\n{text}", text.len())?;
-        output.flush()?;
+        write_message(&mut output, &message.to_string())?;
     }
     Ok(())
-}
-
-/// Returns the body of the next message, without its header; [`None`] at the end of the input.
-fn read_body(input: &mut impl BufRead) -> io::Result<Option<Vec<u8>>> {
-    let mut length = None;
-    loop {
-        let mut line = Vec::new();
-        if input.by_ref().take(MAX_LINE).read_until(b'\n', &mut line)? == 0 {
-            return Ok(None);
-        }
-        let line = String::from_utf8_lossy(&line);
-        match (line.trim(), length) {
-            ("", Some(length)) => return read_exactly(input, length).map(Some),
-            // A header without a valid length: skipped, in search of the next header.
-            ("", None) => {}
-            (field, _) => length = content_length(field).or(length),
-        }
-    }
-}
-
-fn content_length(field: &str) -> Option<u64> {
-    let (name, value) = field.split_once(':')?;
-    let is_length = name.trim().eq_ignore_ascii_case("content-length");
-    let length = value.trim().parse().ok()?;
-    (is_length && length <= MAX_LENGTH).then_some(length)
-}
-
-fn read_exactly(input: &mut impl BufRead, length: u64) -> io::Result<Vec<u8>> {
-    let mut body = Vec::new();
-    input.by_ref().take(length).read_to_end(&mut body)?;
-    match body.len() as u64 == length {
-        true => Ok(body),
-        false => Err(io::ErrorKind::UnexpectedEof.into()),
-    }
 }
 
 fn parse_message(body: &[u8]) -> Received {
@@ -128,32 +86,6 @@ pub(crate) fn response(id: RequestId, result: Result<Value, RequestError>) -> Va
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    fn bodies(bytes: &[u8]) -> Vec<String> {
-        let mut input = bytes;
-        let next = || read_body(&mut input).ok().flatten();
-        let all = std::iter::from_fn(next);
-        all.map(|body| String::from_utf8(body).unwrap()).collect()
-    }
-
-    #[test]
-    fn bodies_have_the_length_that_the_header_says() {
-        let two = b"Content-Length: 2\r\n\r\n{}Content-Type: x\r\ncontent-length:3\r\n\r\n[1]";
-        assert_eq!(bodies(two), ["{}", "[1]"]);
-    }
-
-    #[test]
-    fn what_is_no_header_is_passed_over() {
-        assert_eq!(
-            bodies(b"rubbish\r\n\r\nContent-Length: x\r\n\r\nContent-Length: 1\r\n\r\n7"),
-            ["7"]
-        );
-        assert_eq!(bodies(b"Content-Length: 9\r\n\r\n{}"), Vec::<String>::new());
-        assert_eq!(
-            bodies(b"Content-Length: 99999999999999\r\n\r\n"),
-            Vec::<String>::new()
-        );
-    }
 
     #[test]
     fn what_is_no_message_is_answered_with_its_number() {
