@@ -18,6 +18,7 @@ use alloc::vec;
 use alloc::vec::Vec;
 
 /// A loaded command: a running image, its lifecycle state and the resources that it needs and holds.
+#[derive(Clone)]
 pub struct Command {
     /// Loaded instance of the command's compiled program (image): its memory and its resolved device ports.
     pub(crate) instance: Instance,

@@ -10,6 +10,7 @@ use alloc::boxed::Box;
 use alloc::vec::Vec;
 
 /// An occupied table slot: the command, its schedule and its role in the current decision.
+#[derive(Clone)]
 pub(crate) struct Entry {
     pub(crate) serial: u32,
     pub(crate) command: Box<Command>,
@@ -54,6 +55,7 @@ fn command_id(place: usize, serial: u32) -> CommandId {
 }
 
 /// The commands of a core, each in a slot. The table has a fixed size and does not allocate after its creation.
+#[derive(Clone)]
 pub(crate) struct CommandTable {
     /// Slots up to the last occupied one, `None` for a free slot. The unused slots after it cost no time in a tick.
     pub(crate) entries: Vec<Option<Entry>>,

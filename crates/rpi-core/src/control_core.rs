@@ -17,6 +17,9 @@ use alloc::boxed::Box;
 ///
 /// The table has a fixed size. Only [`Core::with_capacity`] allocates, and nothing is freed here. Commands are loaded
 /// elsewhere and moved in; ended commands are moved out and freed elsewhere.
+///
+/// A clone is a copy of the whole state between two ticks, from which a replay can go on. It allocates.
+#[derive(Clone)]
 pub struct Core {
     /// The commands, the rules, and the notices about both.
     pub(crate) schedule: Schedule,

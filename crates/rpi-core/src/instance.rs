@@ -29,6 +29,7 @@ pub enum Verdict {
 }
 
 /// Loaded instance of an image (a compiled command): its memory, its executable steps and its resolved device ports.
+#[derive(Clone)]
 pub struct Instance {
     image: Arc<Image>,
     slots: Box<[u64]>,

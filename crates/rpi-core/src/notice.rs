@@ -85,6 +85,7 @@ pub enum RuleOutcome {
 
 /// Ring buffer of the notices (events of commands and rules) that the host has not read yet. A notice that does not fit
 /// is counted and lost.
+#[derive(Clone)]
 pub(crate) struct NoticeLog {
     ring: Box<[Option<Notice>]>,
     first: usize,

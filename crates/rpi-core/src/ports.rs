@@ -13,6 +13,7 @@ use alloc::vec::Vec;
 use core::ops::Range;
 
 /// Device ports of a command, resolved in the cell, and the buffer in which set-points and arguments are assembled.
+#[derive(Clone)]
 pub(crate) struct Ports {
     sensors: Box<[PortId]>,
     functions: Box<[PortId]>,
@@ -30,6 +31,7 @@ pub(crate) struct Ports {
 }
 
 /// An actuator port of the image, resolved when the image was loaded.
+#[derive(Clone)]
 struct LoadedPort {
     port: PortId,
     /// Resources that the port moves, as a range of indices into `resources` of [`Ports`].

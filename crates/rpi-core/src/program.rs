@@ -37,6 +37,7 @@ pub(crate) struct Guard {
 }
 
 /// Executable list of steps, with the guards of its fragments.
+#[derive(Clone)]
 pub(crate) struct Program {
     pub(crate) ops: Box<[ExecutableStep]>,
     pub(crate) guards: Box<[Guard]>,

@@ -10,6 +10,7 @@ use alloc::boxed::Box;
 use alloc::vec::Vec;
 
 /// A rule that may still fire, as the table stores it.
+#[derive(Clone)]
 pub(crate) struct PendingRule {
     pub(crate) id: RuleId,
     pub(crate) rule: Box<Rule>,
@@ -22,6 +23,7 @@ pub(crate) struct PendingRule {
 }
 
 /// The rules of a core. The table has a fixed size and does not allocate after its creation.
+#[derive(Clone)]
 pub(crate) struct RuleTable {
     /// Rules that have not fired, in the order in which they were added.
     pub(crate) pending: Vec<PendingRule>,

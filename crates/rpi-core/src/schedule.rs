@@ -21,6 +21,7 @@ const NOTICES_PER_COMMAND: usize = 16;
 
 /// The commands and rules of a core, consistent with one another: every pending rule may still fire, and some rule may
 /// start each scheduled command. Changes are reported to the log of notices.
+#[derive(Clone)]
 pub(crate) struct Schedule {
     pub(crate) commands: CommandTable,
     pub(crate) rules: RuleTable,

@@ -21,6 +21,7 @@ const DEVICE_WORK: u64 = 500;
 const SLOTS_PER_OPERATION: u64 = 4;
 
 /// Bounds of the work per cycle, in elementary operations (a real addition is 1).
+#[derive(Clone)]
 pub(crate) struct WorkBound {
     /// Work of all primitives (basic operations) while all fragments are active.
     pub(crate) primitives: u64,

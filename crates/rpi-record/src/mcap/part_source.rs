@@ -1,7 +1,7 @@
 //! Reads the records of one file of a recording, one after another, with bounded memory.
 
 use std::fs::File;
-use std::io::{self, Read, Seek, SeekFrom};
+use std::io::{self, Cursor, Read, Seek, SeekFrom};
 use std::path::PathBuf;
 use std::sync::Arc;
 
@@ -36,7 +36,23 @@ pub(super) enum PartEnd {
 /// Result of handling a record: whether to read further records, or an error.
 pub(super) type ReadOn = Result<bool, RecordingError>;
 
+/// Bytes of a file of a recording from some position on.
+pub(super) trait PartInput: Read + Seek {}
+
+impl<T: Read + Seek> PartInput for T {}
+
 impl PartSource {
+    /// Opens the file for reading from any position.
+    ///
+    /// # Errors
+    /// Returns an error if the file cannot be opened.
+    pub(super) fn open_for_seeking(&self) -> Result<Box<dyn PartInput>, RecordingError> {
+        Ok(match self {
+            PartSource::File(path) => Box::new(File::open(path).map_err(read_error)?),
+            PartSource::Bytes(bytes) => Box::new(Cursor::new(Arc::clone(bytes))),
+        })
+    }
+
     fn open(&self) -> io::Result<Box<dyn Read + '_>> {
         Ok(match self {
             PartSource::File(path) => Box::new(File::open(path)?),
@@ -116,10 +132,10 @@ fn options() -> LinearReaderOptions {
     }
 }
 
-fn damaged(error: mcap::McapError) -> RecordingError {
+pub(super) fn damaged(error: mcap::McapError) -> RecordingError {
     RecordingError::Damaged(error.to_string())
 }
 
-fn read_error(error: io::Error) -> RecordingError {
+pub(super) fn read_error(error: io::Error) -> RecordingError {
     RecordingError::Unreadable(error.to_string())
 }

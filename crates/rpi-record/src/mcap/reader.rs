@@ -25,7 +25,7 @@ use super::{bytes_encoding, text_encoding};
 const MAX_KEPT: usize = 1 << 30;
 
 /// Content of a recording that was opened for a replay. The ticks stay in the files and are read when they are needed.
-#[derive(Debug)]
+#[derive(Clone, Debug)]
 pub struct Recording {
     /// Tick length in nanoseconds.
     pub tick_ns: u64,
@@ -50,7 +50,7 @@ pub struct Recording {
     /// Version of the elementary functions (sine, logarithm and others) with which the recording was made, as
     /// [`rpi_math::REVISION`] counts them; 0 for those of the library libm, before recordings contained the version.
     pub(super) functions: u32,
-    parts: Vec<PartSource>,
+    pub(super) parts: Vec<PartSource>,
 }
 
 /// Records of a recording that are loaded into memory: all but the ticks and the messages for viewers.
@@ -127,6 +127,16 @@ impl Recording {
             }
         };
         kept.finish(parts, end)
+    }
+
+    /// Returns the largest number of ticks between two cycles of a command of the recording; 1 without commands.
+    #[must_use]
+    pub fn longest_period(&self) -> u64 {
+        let periods = self
+            .images
+            .iter()
+            .map(|image| image.period_ns / self.tick_ns);
+        periods.max().unwrap_or(1).max(1)
     }
 
     /// Passes the words of each tick of the tick log to `take`, until it returns false.

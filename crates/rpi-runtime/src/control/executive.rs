@@ -26,6 +26,30 @@ pub struct Executive<P: Plant> {
     stopwatch: CommandTimer,
 }
 
+/// State of a core between two ticks, from which a replay can go on.
+pub struct Checkpoint {
+    core: Core,
+    /// For each device, by index, the error code and whether the device moves, as last reported to the host.
+    reported: Vec<(i64, bool)>,
+}
+
+impl Checkpoint {
+    /// Returns the number of the next tick.
+    #[must_use]
+    pub fn now(&self) -> u64 {
+        self.core.now()
+    }
+
+    /// Returns the memory of the commands in the checkpoint, in bytes, without their images.
+    #[must_use]
+    pub fn memory(&self) -> usize {
+        let commands = self.core.commands();
+        commands
+            .map(|(_, command)| command.instance().memory())
+            .sum()
+    }
+}
+
 /// For each command slot, the id of the command and the snapshot to which its exports are written after each cycle;
 /// `None` if the command has no snapshot.
 type Snapshots = Box<[Option<(CommandId, Arc<ExportSnapshot>)>]>;
@@ -87,6 +111,23 @@ impl<P: Plant> Executive<P> {
     /// Returns the device bank, for access between ticks.
     pub fn plant(&mut self) -> &mut P {
         &mut self.plant
+    }
+
+    /// Returns a copy of the state of the core between two ticks, for [`Executive::restore`]. Allocates.
+    #[must_use]
+    pub fn checkpoint(&self) -> Checkpoint {
+        Checkpoint {
+            core: self.core.clone(),
+            reported: self.reported.clone(),
+        }
+    }
+
+    /// Returns to the state of a checkpoint. Subscriptions end, and what the devices of the plant do is not changed: the
+    /// caller brings them to the same tick.
+    pub fn restore(&mut self, checkpoint: &Checkpoint) {
+        self.core.clone_from(&checkpoint.core);
+        self.reported.clone_from(&checkpoint.reported);
+        self.subscriptions.iter_mut().for_each(|slot| *slot = None);
     }
 
     /// Returns the core, for inspection between ticks.

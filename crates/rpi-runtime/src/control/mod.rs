@@ -69,7 +69,7 @@ mod subscription;
 pub use admission::{Budget, BudgetExceededError};
 pub use control_handle::{AdoptedCommand, CommandInfo, Control};
 pub use event::{Event, RequestError, Ticket};
-pub use executive::Executive;
+pub use executive::{Checkpoint, Executive};
 pub use export_snapshot::ExportSnapshot;
 pub use plant::{AttributedOverrun, Plant};
 pub use queue::{InputValue, Options, Request};
