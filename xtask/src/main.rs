@@ -6,6 +6,7 @@ mod draw;
 mod fuzz;
 mod lustre;
 mod task_error;
+mod test_run;
 mod tree_sitter;
 
 use std::process::ExitCode;
@@ -39,6 +40,11 @@ const TASKS: &[Task] = &[
         "bless",
         "rewrite the expected outputs of tests: [FILTER]",
         bless::bless,
+    ),
+    (
+        "test",
+        "build and run all tests, or the test programs that are named, two programs at a time: [NAME ...]",
+        test_run::test,
     ),
     (
         "fuzz",

@@ -15,6 +15,12 @@ impl fmt::Display for TaskError {
 
 impl std::error::Error for TaskError {}
 
+impl From<std::io::Error> for TaskError {
+    fn from(error: std::io::Error) -> TaskError {
+        TaskError(error.to_string())
+    }
+}
+
 impl From<String> for TaskError {
     fn from(text: String) -> TaskError {
         TaskError(text)

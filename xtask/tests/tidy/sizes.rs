@@ -132,13 +132,12 @@ fn type_sizes() -> BTreeMap<(String, String, PathBuf), TypeSize> {
         }
     }
     for (path, text) in &files {
+        let of_crate = crate_name(path);
         for part in type_parts(text) {
             if let TypePart::Methods { name, methods } = part {
                 let mut declared = sizes
                     .iter_mut()
-                    .filter(|((owner, declared, _), _)| {
-                        *owner == crate_name(path) && declared == name
-                    })
+                    .filter(|((owner, declared, _), _)| *owner == of_crate && declared == name)
                     .collect::<Vec<_>>();
                 declared.sort_by_key(|((_, _, file), _)| shared_folders(file, path));
                 if let Some((_, size)) = declared.pop() {

@@ -1,0 +1,213 @@
+//! `cargo xtask test`: builds all tests of the workspace and runs their programs, two at a time.
+//!
+//! `cargo test` runs one program after another, and many of ours have one long test, so that a core waits. The programs
+//! are the same, with the environment that `cargo test` gives them.
+
+use std::collections::VecDeque;
+use std::path::PathBuf;
+use std::process::{Command, Output, Stdio};
+use std::sync::Mutex;
+use std::time::{Duration, Instant};
+
+use serde_json::Value;
+
+use crate::task_error::TaskError;
+
+/// Number of programs that run at the same time. Each has as many threads as `cargo test` would give it.
+const AT_ONCE: usize = 2;
+
+/// Programs that take longest, the longest first: they start first, so that no long one is left at the end.
+const LONGEST: &[&str] = &[
+    "tidy",
+    "properties",
+    "python",
+    "takeovers",
+    "view",
+    "entries",
+    "chaos",
+    "primitives",
+    "c_target",
+    "attacks",
+    "endless",
+    "server",
+    "jobs",
+    "motion",
+    "import",
+];
+
+/// Number of programs in the list of the slowest.
+const SLOWEST: usize = 12;
+
+/// Test program of a package.
+struct Program {
+    /// Name of the test target, such as `takeovers`.
+    name: String,
+    package: String,
+    executable: PathBuf,
+    manifest: PathBuf,
+}
+
+/// Test program that has run.
+struct Finished {
+    program: Program,
+    output: std::io::Result<Output>,
+    took: Duration,
+}
+
+impl Finished {
+    fn has_passed(&self) -> bool {
+        self.output
+            .as_ref()
+            .is_ok_and(|output| output.status.success())
+    }
+}
+
+/// Carries out `cargo xtask test`: builds and runs all tests, or those of the programs that are named, then the examples in
+/// the documentation. Prints the output of each program when it ends.
+pub(crate) fn test(args: &[String]) -> Result<(), TaskError> {
+    let mut programs = build()?;
+    if !args.is_empty() {
+        programs.retain(|program| args.contains(&program.name));
+    }
+    let rank = |program: &Program| LONGEST.iter().position(|name| *name == program.name);
+    programs.sort_by_key(|program| rank(program).unwrap_or(LONGEST.len()));
+    let count = programs.len();
+    let finished = run_all(programs);
+    print_slowest(&finished);
+    let failed = finished.iter().filter(|finished| !finished.has_passed());
+    let failed: Vec<&str> = failed
+        .map(|finished| finished.program.name.as_str())
+        .collect();
+    if args.is_empty() {
+        run_doc_tests()?;
+    }
+    match failed.is_empty() {
+        true => {
+            println!("all {count} test programs have passed");
+            Ok(())
+        }
+        false => Err(format!(
+            "{} of {count} test programs failed: {}",
+            failed.len(),
+            failed.join(", ")
+        )
+        .into()),
+    }
+}
+
+/// Builds all tests and returns their programs.
+fn build() -> Result<Vec<Program>, TaskError> {
+    let mut cargo = Command::new(env!("CARGO"));
+    let arguments = ["test", "--workspace", "--locked", "--no-run"];
+    let built = cargo
+        .args(arguments)
+        .arg("--message-format=json-render-diagnostics")
+        .stderr(Stdio::inherit())
+        .output()?;
+    if !built.status.success() {
+        return Err("the tests do not compile".into());
+    }
+    let text = String::from_utf8_lossy(&built.stdout);
+    let messages = text
+        .lines()
+        .filter_map(|line| serde_json::from_str(line).ok());
+    Ok(messages.filter_map(|message| program(&message)).collect())
+}
+
+/// Returns the test program that a message of cargo reports.
+fn program(message: &Value) -> Option<Program> {
+    let is_test = message["profile"]["test"].as_bool()?;
+    let manifest = PathBuf::from(message["manifest_path"].as_str()?);
+    let package = manifest
+        .parent()?
+        .file_name()?
+        .to_string_lossy()
+        .into_owned();
+    is_test.then_some(Program {
+        name: message["target"]["name"].as_str()?.to_owned(),
+        package,
+        executable: message["executable"].as_str()?.into(),
+        manifest,
+    })
+}
+
+/// Runs all programs, and prints the output of each.
+fn run_all(programs: Vec<Program>) -> Vec<Finished> {
+    let waiting = Mutex::new(VecDeque::from(programs));
+    let finished = Mutex::new(Vec::new());
+    let take = || waiting.lock().ok()?.pop_front();
+    std::thread::scope(|scope| {
+        for _ in 0..AT_ONCE {
+            scope.spawn(|| {
+                while let Some(program) = take() {
+                    let done = run(program);
+                    if let Ok(mut finished) = finished.lock() {
+                        print(&done);
+                        finished.push(done);
+                    }
+                }
+            });
+        }
+    });
+    finished.into_inner().unwrap_or_default()
+}
+
+fn run(program: Program) -> Finished {
+    let start = Instant::now();
+    let folder = program
+        .manifest
+        .parent()
+        .map_or_else(PathBuf::new, PathBuf::from);
+    let output = Command::new(&program.executable)
+        .arg("-q")
+        .current_dir(&folder)
+        .env("CARGO_MANIFEST_DIR", &folder)
+        .stdin(Stdio::null())
+        .output();
+    Finished {
+        program,
+        output,
+        took: start.elapsed(),
+    }
+}
+
+/// Prints the output of a program.
+fn print(finished: &Finished) {
+    let (program, took) = (&finished.program, finished.took.as_secs_f64());
+    println!(
+        "\n     Running {} of {} ({took:.1} s)",
+        program.name, program.package
+    );
+    match &finished.output {
+        Ok(output) => {
+            print!("{}", String::from_utf8_lossy(&output.stdout));
+            eprint!("{}", String::from_utf8_lossy(&output.stderr));
+        }
+        Err(error) => println!("cannot be started: {error}"),
+    }
+}
+
+fn print_slowest(finished: &[Finished]) {
+    let mut slowest: Vec<&Finished> = finished.iter().collect();
+    slowest.sort_by_key(|finished| std::cmp::Reverse(finished.took));
+    println!("\nslowest test programs:");
+    for finished in slowest.iter().take(SLOWEST) {
+        println!(
+            "{:>7.1} s  {}",
+            finished.took.as_secs_f64(),
+            finished.program.name
+        );
+    }
+}
+
+/// Runs the examples in the documentation of the crates.
+fn run_doc_tests() -> Result<(), TaskError> {
+    let mut cargo = Command::new(env!("CARGO"));
+    let status = cargo
+        .args(["test", "--workspace", "--locked", "--doc", "--quiet"])
+        .status()?;
+    match status.success() {
+        true => Ok(()),
+        false => Err("examples in the documentation failed".into()),
+    }
+}
