@@ -10,6 +10,7 @@ use rpi_runtime::realtime::{CommandOverrunPolicy, OverrunPolicy, RealTime, Sched
 use rpi_serve::{OnLoss, SocketSettings};
 
 use crate::budget_args::BudgetArgs;
+use crate::debug::DebugArgs;
 use crate::export::ExportArgs;
 use crate::guard::GuardArgs;
 use crate::latency_args::LatencyArgs;
@@ -73,6 +74,11 @@ pub(crate) enum CliCommand {
     /// branch of an `if`, a false operand of an `and`, an absent operand, the condition of an inactive fragment) and through delays,
     /// down to inputs, sensors, constants and first values.
     Why(WhyArgs),
+    /// Go through the cycles of a recording or a simulated run, forwards and backwards, with the value of every flow.
+    ///
+    /// Lines of commands are read from the standard input (`help` lists them), or, with --dap, requests of an editor. Breakpoints stop at
+    /// lines, at changes of flows, and where a condition of the language becomes true.
+    Debug(DebugArgs),
     /// Write the values of a recording as a table (CSV), one row per tick and one column per number.
     Export(ExportArgs),
     /// Examine a recording, or complete one that was cut off.

@@ -1,4 +1,4 @@
-//! Command-line tool of the control core: `rpi run`, `rpi serve`, `rpi replay`, `rpi view`, `rpi export`, `rpi recording`,
+//! Command-line tool of the control core: `rpi run`, `rpi serve`, `rpi replay`, `rpi view`, `rpi debug`, `rpi export`, `rpi recording`,
 //! `rpi trace`, `rpi latency`, `rpi robot`, `rpi cell`.
 //!
 //! Exit status: 0 for success, 1 for a command's error or a differing trace, 2 for invalid input, 3 for a fault while
@@ -9,6 +9,7 @@ mod args;
 mod budget_args;
 mod c_target;
 mod cell_file;
+mod debug;
 mod exit;
 mod export;
 mod guard;
@@ -68,6 +69,7 @@ fn main() -> ExitCode {
         CliCommand::Replay(args) => replay::replay(&args),
         CliCommand::View(args) => view::view(&args),
         CliCommand::Why(args) => why::why_command(&args),
+        CliCommand::Debug(args) => debug::debug(&args),
         CliCommand::Export(args) => export::export(&args),
         CliCommand::Recording(command) => recording_verbs::recording(&command),
         CliCommand::Latency(args) => latency::latency(&args),

@@ -22,18 +22,6 @@ fn compile(input: &Input, options: CompileOptions) -> Result<Compiled, Box<dyn s
     usable(compiled, input)
 }
 
-/// Compiles a program that was compiled before, so that only errors are printed.
-pub(crate) fn compile_again(
-    input: &Input,
-    options: CompileOptions,
-) -> Result<Compiled, Box<dyn std::error::Error>> {
-    let compiled = rpi_driver::compile_with(input, options)?;
-    if compiled.has_errors() {
-        print_diagnostics(&compiled);
-    }
-    usable(compiled, input)
-}
-
 fn print_diagnostics(compiled: &Compiled) {
     let style = Style::for_stream(&std::io::stderr());
     rpi_diag::print_stderr!(

@@ -1,9 +1,10 @@
-// Entry point of the extension: starts the language server and registers tasks, tests and commands.
+// Entry point of the extension: starts the language server and registers tasks, tests, commands and the debugger.
 "use strict";
 
 const vscode = require("vscode");
 const { Server } = require("./server");
 const { registerCommands } = require("./commands");
+const { registerDebugger } = require("./debugger");
 const { registerTasks } = require("./tasks");
 const { registerTests } = require("./tests");
 
@@ -16,6 +17,7 @@ async function activate(context) {
     vscode.commands.registerCommand("rpi.restartServer", () => server.restart()),
     vscode.workspace.onDidChangeConfiguration((event) => server.settingsChanged(event)),
     ...registerCommands(),
+    ...registerDebugger(),
     registerTasks(),
     registerTests()
   );

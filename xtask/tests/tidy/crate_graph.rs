@@ -122,6 +122,20 @@ const EDGES: &[(&str, &[&str])] = &[
             "rpi-sim",
         ],
     ),
+    (
+        "rpi-debug",
+        &[
+            "rpi-core",
+            "rpi-diag",
+            "rpi-driver",
+            "rpi-files",
+            "rpi-image",
+            "rpi-literal",
+            "rpi-net",
+            "rpi-record",
+            "rpi-syntax",
+        ],
+    ),
     ("rpi-view", &["rpi-image", "rpi-record"]),
     ("rpi-client", &[]),
     (
@@ -146,6 +160,7 @@ const EDGES: &[(&str, &[&str])] = &[
         &[
             "rpi-diag",
             "rpi-driver",
+            "rpi-files",
             "rpi-image",
             "rpi-prims",
             "rpi-sema",
@@ -182,6 +197,7 @@ const EDGES: &[(&str, &[&str])] = &[
             "rpi-cli",
             "rpi-client",
             "rpi-core",
+            "rpi-debug",
             "rpi-diag",
             "rpi-driver",
             "rpi-files",

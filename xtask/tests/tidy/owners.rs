@@ -79,6 +79,7 @@ const OWNERS: &[(&str, &[&str])] = &[
         &[
             "rpi",
             "rpi-client",
+            "rpi-debug",
             "rpi-diag",
             "rpi-lsp",
             "rpi-record",

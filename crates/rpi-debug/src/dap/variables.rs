@@ -1,0 +1,276 @@
+//! Flows as variables, and expressions.
+
+use serde_json::{Value, json};
+
+use super::frames::Frame;
+use super::messages::Answer;
+use super::session::Debugged;
+use crate::flow_table::FlowTable;
+use crate::stop::RunningCommand;
+
+/// Maximum number of variables in one answer. Further ones are left out.
+const MAX_VARIABLES: usize = 5_000;
+
+/// Maximum length in bytes of the text of a group of values. Further values are left out.
+const MAX_TEXT: usize = 160;
+
+/// Flows whose names begin alike: all of a fragment, or the parts of a value or call.
+#[derive(Clone, PartialEq, Eq, Debug)]
+pub(super) struct Variables {
+    /// Index of the command in the present stop.
+    pub(super) command: usize,
+    /// Index of the fragment in the table of the command.
+    fragment: usize,
+    /// First part of the names of the flows in the fragment; empty for all.
+    prefix: String,
+}
+
+impl Variables {
+    /// Returns the path of the flow that the group shows under a name.
+    pub(super) fn path_of(&self, table: &FlowTable, name: &str) -> String {
+        let fragment = &table.fragments[self.fragment].path;
+        match (self.prefix.as_str(), name.starts_with('[')) {
+            ("", _) => format!("{fragment}.{name}"),
+            (prefix, true) => format!("{fragment}.{prefix}{name}"),
+            (prefix, false) => format!("{fragment}.{prefix}.{name}"),
+        }
+    }
+}
+
+impl Debugged {
+    /// Returns the group with this reference.
+    pub(super) fn group(&self, reference: &Value) -> Option<&Variables> {
+        let index = usize::try_from(reference.as_u64()?).ok()?.checked_sub(1)?;
+        self.groups.get(index)
+    }
+
+    fn add_group(&mut self, group: Variables) -> usize {
+        let known = self.groups.iter().position(|known| *known == group);
+        let index = known.unwrap_or_else(|| {
+            self.groups.push(group);
+            self.groups.len() - 1
+        });
+        index + 1
+    }
+
+    pub(super) fn scopes(&mut self, arguments: &Value) -> Answer {
+        let Some(frame) = self.frame(&arguments["frameId"]) else {
+            return Ok(json!({ "scopes": [] }));
+        };
+        let reference = self.add_group(Variables {
+            command: frame.command,
+            fragment: frame.fragment,
+            prefix: String::new(),
+        });
+        let scope = json!({
+            "name": "Flows",
+            "presentationHint": "locals",
+            "variablesReference": reference,
+            "expensive": false,
+        });
+        Ok(json!({ "scopes": [scope] }))
+    }
+
+    pub(super) fn variables(&mut self, arguments: &Value) -> Answer {
+        let group = self.group(&arguments["variablesReference"]).cloned();
+        let group =
+            group.ok_or_else(|| "these variables are those of an earlier stop".to_owned())?;
+        let mut variables = Vec::new();
+        for (name, flows) in self.members(&group).into_iter().take(MAX_VARIABLES) {
+            variables.push(self.variable(&group, &name, &flows));
+        }
+        Ok(json!({ "variables": variables }))
+    }
+
+    /// Returns the members of a group in the order of the program: each with its name, and the flows that it consists of.
+    fn members(&self, group: &Variables) -> Vec<(String, Vec<usize>)> {
+        let command = &self.debugger.stop().commands[group.command];
+        let table = &self.debugger.tables()[command.table];
+        let mut flows: Vec<usize> = (0..table.flows.len()).collect();
+        flows.sort_by_key(|k| (table.flows[*k].span.start, *k));
+        let mut members: Vec<(String, Vec<usize>)> = Vec::new();
+        for k in flows {
+            let flow = &table.flows[k];
+            if flow.fragment != group.fragment || crate::Debugger::is_added(&flow.path) {
+                continue;
+            }
+            let Some(name) = member_name(table.short_name(flow), &group.prefix) else {
+                continue;
+            };
+            match members.iter_mut().find(|(known, _)| known == name) {
+                Some((_, flows)) => flows.push(k),
+                None => members.push((name.to_owned(), vec![k])),
+            }
+        }
+        members
+    }
+
+    fn variable(&mut self, group: &Variables, name: &str, flows: &[usize]) -> Value {
+        let command = &self.debugger.stop().commands[group.command];
+        let table = &self.debugger.tables()[command.table];
+        let path = group.path_of(table, name);
+        if let [only] = flows
+            && table.flows[*only].path == path
+        {
+            return json!({
+                "name": name,
+                "value": self.value_text(group.command, *only),
+                "type": table.flows[*only].ty.to_string(),
+                "evaluateName": path,
+                "variablesReference": 0,
+            });
+        }
+        let text = self.group_text(group.command, flows);
+        let inner = path[table.fragments[group.fragment].path.len() + 1..].to_owned();
+        let reference = self.add_group(Variables {
+            prefix: inner,
+            ..group.clone()
+        });
+        json!({
+            "name": name,
+            "value": text,
+            "evaluateName": path,
+            "variablesReference": reference,
+        })
+    }
+
+    /// Returns the first values of a group of flows as one text.
+    fn group_text(&self, command: usize, flows: &[usize]) -> String {
+        let mut text = String::new();
+        for (k, flow) in flows.iter().enumerate() {
+            let value = self.value_text(command, *flow);
+            if text.len() + value.len() > MAX_TEXT {
+                text.push_str(if k == 0 { "..." } else { ", ..." });
+                break;
+            }
+            if k > 0 {
+                text.push_str(", ");
+            }
+            text.push_str(&value);
+        }
+        format!("({text})")
+    }
+
+    /// Returns the value of a flow of a command as text. An equation behind the present one has not been evaluated.
+    fn value_text(&self, command: usize, flow: usize) -> String {
+        let command = &self.debugger.stop().commands[command];
+        let table = &self.debugger.tables()[command.table];
+        let at = self.equation.filter(|(id, _)| *id == command.id);
+        let last = at.and_then(|(id, at)| self.equations(id).get(at).copied());
+        match last.is_some_and(|last| flow > last) {
+            true => "not yet evaluated".to_owned(),
+            false => command.text(table, flow),
+        }
+    }
+
+    /// Evaluates an expression of the language with the equations of a frame. A name is looked up; anything else is compiled with the
+    /// program.
+    pub(super) fn evaluate(&mut self, arguments: &Value) -> Answer {
+        let expression = arguments["expression"].as_str().unwrap_or_default().trim();
+        let first = self.debugger.stop().commands.first();
+        let default = first.map(|_| Frame {
+            command: 0,
+            fragment: 0,
+        });
+        let frame = self.frame(&arguments["frameId"]).or(default);
+        let frame = frame.ok_or_else(|| "no command runs in this tick".to_owned())?;
+        if let Some(value) = self.look_up(frame, expression) {
+            return Ok(value);
+        }
+        if arguments["context"] == "hover" {
+            return Err(format!("`{expression}` is not a flow here"));
+        }
+        self.evaluate_compiled(frame, expression)
+    }
+
+    /// Returns the value of a flow, or of a group of flows.
+    fn look_up(&mut self, frame: Frame, name: &str) -> Option<Value> {
+        let command = &self.debugger.stop().commands[frame.command];
+        let table = &self.debugger.tables()[command.table];
+        let flow = table.find(frame.fragment, name);
+        let flow = flow.or_else(|| only_active(command, table, name));
+        if let Some(flow) = flow {
+            return Some(json!({
+                "result": self.value_text(frame.command, flow),
+                "type": table.flows[flow].ty.to_string(),
+                "variablesReference": 0,
+            }));
+        }
+        let group = Variables {
+            command: frame.command,
+            fragment: frame.fragment,
+            prefix: name.to_owned(),
+        };
+        if name.is_empty() || self.members(&group).is_empty() {
+            return None;
+        }
+        let reference = self.add_group(group);
+        Some(json!({ "result": name, "variablesReference": reference }))
+    }
+
+    fn evaluate_compiled(&mut self, frame: Frame, expression: &str) -> Answer {
+        let command = &self.debugger.stop().commands[frame.command];
+        let (id, table_index) = (command.id, command.table);
+        let table = &self.debugger.tables()[table_index];
+        let place = table.fragments[frame.fragment].span;
+        let (_, line) = self
+            .sources()
+            .place(place)
+            .ok_or_else(|| "this command is not in a text".to_owned())?;
+        let added = self.debugger.add_expressions(&[(line, expression)]);
+        let mut added = added.map_err(|e| e.to_string())?;
+        let added = added
+            .pop()
+            .ok_or_else(|| "nothing to evaluate".to_owned())?;
+        let added = added.map_err(|e| e.to_string())?;
+        // The tables are those of the program with the expression; frames and groups stay the same.
+        self.resolve_breakpoints();
+        let stop = self.debugger.stop();
+        let command = stop.commands.iter().position(|command| command.id == id);
+        let command = command.ok_or_else(|| "the command has ended".to_owned())?;
+        let flows: Vec<usize> = self.debugger.flows_of(added, table_index).collect();
+        let table = &self.debugger.tables()[table_index];
+        let values = flows
+            .iter()
+            .map(|flow| stop.commands[command].text(table, *flow));
+        let values: Vec<String> = values.collect();
+        Ok(match (&flows[..], &values[..]) {
+            ([flow], [value]) => {
+                let ty = table.flows[*flow].ty.to_string();
+                json!({ "result": value, "type": ty, "variablesReference": 0 })
+            }
+            _ => json!({ "result": format!("({})", values.join(", ")), "variablesReference": 0 }),
+        })
+    }
+}
+
+/// Returns the flow with this name in the active fragments of a command; `None` if there is none, or several.
+fn only_active(command: &RunningCommand, table: &FlowTable, name: &str) -> Option<usize> {
+    let flows = table.flows.iter().enumerate();
+    let mut named = flows.filter(|(_, flow)| {
+        let is_active = flow.fragment == 0 || command.active[flow.fragment];
+        is_active && table.short_name(flow) == name
+    });
+    let (found, _) = named.next()?;
+    named.next().is_none().then_some(found)
+}
+
+/// Returns the name under which a group with this prefix shows a flow; `None` if the flow does not belong to it.
+fn member_name<'n>(flow: &'n str, prefix: &str) -> Option<&'n str> {
+    let rest = match prefix.is_empty() {
+        true => flow,
+        false => {
+            let rest = flow.strip_prefix(prefix)?;
+            match rest.strip_prefix('.') {
+                Some(member) => member,
+                None if rest.starts_with('[') => rest,
+                None => return None,
+            }
+        }
+    };
+    let end = match rest.starts_with('[') {
+        true => rest.find(']').map(|k| k + 1),
+        false => rest.find(['.', '[']),
+    };
+    Some(&rest[..end.unwrap_or(rest.len())])
+}

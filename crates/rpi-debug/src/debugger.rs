@@ -1,0 +1,420 @@
+//! Goes to the cycles of a recording, and evaluates expressions in them.
+
+use std::fmt;
+use std::ops::ControlFlow;
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
+
+use rpi_core::{Command, CommandId};
+use rpi_driver::Compiled;
+use rpi_record::mcap::{Recording, RecordingError, ReplayTimeline};
+use rpi_syntax::Dialect;
+
+use crate::breakpoint::{Breakpoint, BreakpointWatch, Hit};
+use crate::flow_table::FlowTable;
+use crate::insertion::insertion_point;
+use crate::program::{RecordedProgram, RecordedProgramError};
+use crate::stop::{RunningCommand, Stop};
+
+/// First letters of the names of flows that the debugger adds to a program.
+const ADDED: &str = "rpi_debug_";
+
+/// Maximum number of expressions that are compiled with a program.
+const MAX_EXPRESSIONS: usize = 200;
+
+/// Number of ticks that a search backwards replays at once at first; it doubles with each further step.
+const FIRST_SEARCH: u64 = 1000;
+
+/// Error of the debugger.
+#[derive(Debug)]
+pub enum DebugError {
+    /// The recording cannot be read or replayed.
+    Recording(RecordingError),
+    /// The program cannot be compiled again.
+    Program(RecordedProgramError),
+    /// There is no body of a command, fragment or node around this line.
+    NoBody(u32),
+    /// Too many expressions are watched; the maximum.
+    TooManyExpressions(usize),
+    /// The replay computes other values than the run did; what differs.
+    Differs(String),
+}
+
+impl fmt::Display for DebugError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            DebugError::Recording(error) => error.fmt(f),
+            DebugError::Program(error) => error.fmt(f),
+            DebugError::NoBody(line) => write!(
+                f,
+                "line {line} is not inside of a command, fragment or node: there is nothing that an expression could read"
+            ),
+            DebugError::TooManyExpressions(most) => {
+                write!(
+                    f,
+                    "at most {most} conditions and expressions can be watched"
+                )
+            }
+            DebugError::Differs(what) => {
+                write!(f, "the replay differs from the recording: {what}")
+            }
+        }
+    }
+}
+
+impl std::error::Error for DebugError {}
+
+impl From<RecordingError> for DebugError {
+    fn from(error: RecordingError) -> Self {
+        DebugError::Recording(error)
+    }
+}
+
+impl From<RecordedProgramError> for DebugError {
+    fn from(error: RecordedProgramError) -> Self {
+        DebugError::Program(error)
+    }
+}
+
+/// Number of an expression that was added to the program.
+#[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Debug)]
+pub struct ExpressionId(usize);
+
+/// Expression that is evaluated with the equations of a line.
+#[derive(Clone, PartialEq, Eq, Debug)]
+struct Expression {
+    line: u32,
+    text: String,
+}
+
+/// A recording that is debugged: a position in it, the values there, and the expressions that are evaluated with the program.
+pub struct Debugger {
+    /// The recording as it was read, with its own images.
+    original: Recording,
+    /// Largest number of ticks between two cycles of a command.
+    longest_period: u64,
+    program: RecordedProgram,
+    expressions: Vec<Expression>,
+    compiled: Compiled,
+    tables: Vec<FlowTable>,
+    timeline: ReplayTimeline,
+    stop: Stop,
+    /// Whether a search is to end where it is.
+    interrupt: Arc<AtomicBool>,
+}
+
+impl Debugger {
+    /// Compiles the program of a recording again, and goes to the first cycle of a command.
+    ///
+    /// # Errors
+    /// Returns an error if the program is not the one that was recorded, or if the recording cannot be replayed.
+    pub fn new(original: Recording, program: RecordedProgram) -> Result<Debugger, DebugError> {
+        let (compiled, tables, timeline) = replay(&original, &program, None)?;
+        let mut debugger = Debugger {
+            longest_period: original.longest_period(),
+            original,
+            program,
+            expressions: Vec::new(),
+            compiled,
+            tables,
+            timeline,
+            stop: Stop::default(),
+            interrupt: Arc::default(),
+        };
+        debugger.go_to_first_cycle()?;
+        Ok(debugger)
+    }
+
+    /// Makes the searches of the debugger end where they are, as soon as the flag is set by another thread.
+    pub fn interrupt_by(&mut self, flag: Arc<AtomicBool>) {
+        self.interrupt = flag;
+    }
+
+    /// Returns the program that is debugged.
+    #[must_use]
+    pub fn program(&self) -> &RecordedProgram {
+        &self.program
+    }
+
+    /// Returns the compiled program, with the sources to which all places refer.
+    #[must_use]
+    pub fn compiled(&self) -> &Compiled {
+        &self.compiled
+    }
+
+    /// Returns the flows of all commands.
+    #[must_use]
+    pub fn tables(&self) -> &[FlowTable] {
+        &self.tables
+    }
+
+    /// Returns the values at the present position.
+    #[must_use]
+    pub fn stop(&self) -> &Stop {
+        &self.stop
+    }
+
+    /// Returns the length of a tick in ns.
+    #[must_use]
+    pub fn tick_ns(&self) -> u64 {
+        self.original.tick_ns
+    }
+
+    /// Returns the indices of the flows of an expression in the table of a command: one for each scalar part of its value, in each call
+    /// of the node that has it.
+    pub fn flows_of(&self, id: ExpressionId, table: usize) -> impl Iterator<Item = usize> + '_ {
+        let name = format!("{ADDED}{}", id.0);
+        let flows = self.tables.get(table).into_iter().flat_map(|t| &t.flows);
+        flows
+            .enumerate()
+            .filter(move |(_, flow)| added_name(&flow.path) == Some(&name))
+            .map(|(k, _)| k)
+    }
+
+    /// Returns whether a flow was added by the debugger.
+    #[must_use]
+    pub fn is_added(path: &str) -> bool {
+        added_name(path).is_some()
+    }
+
+    /// Goes to a tick, or to the last one if there are fewer. Returns whether there is such a tick.
+    ///
+    /// # Errors
+    /// Returns an error if the recording is damaged, or differs from its replay.
+    pub fn go_to(&mut self, tick: u64) -> Result<bool, DebugError> {
+        self.timeline.seek(tick)?;
+        if self.capture()? {
+            return Ok(true);
+        }
+        let end = self.timeline.now();
+        self.timeline.seek(end.saturating_sub(1))?;
+        self.capture()?;
+        Ok(false)
+    }
+
+    /// Replays forwards from the present position until a breakpoint is reached. Returns the breakpoints there; none at
+    /// the end of the recording, whose last tick is then the position.
+    ///
+    /// # Errors
+    /// Returns an error if the recording is damaged, or differs from its replay.
+    pub fn run_forwards(&mut self, breakpoints: &[Breakpoint]) -> Result<Vec<Hit>, DebugError> {
+        let next = self.stop.tick + 1;
+        let mut found = None;
+        self.scan((next, u64::MAX), breakpoints, &mut |tick, hits| {
+            found = Some((tick, hits.to_vec()));
+            ControlFlow::Break(())
+        })?;
+        match found {
+            Some((tick, hits)) => self.go_to(tick).map(|_| hits),
+            None => {
+                let last = self.timeline.now().saturating_sub(1);
+                self.go_to(last).map(|_| Vec::new())
+            }
+        }
+    }
+
+    /// Replays backwards from the present position until a breakpoint is reached. Returns the breakpoints there; none at
+    /// the start of the recording, whose first cycle is then the position.
+    ///
+    /// # Errors
+    /// Returns an error if the recording is damaged, or differs from its replay.
+    pub fn run_backwards(&mut self, breakpoints: &[Breakpoint]) -> Result<Vec<Hit>, DebugError> {
+        let (mut end, mut length) = (self.stop.tick, FIRST_SEARCH);
+        while end > 0 {
+            if self.interrupt.load(Ordering::Relaxed) {
+                return self.go_to(end).map(|_| Vec::new());
+            }
+            let start = end.saturating_sub(length);
+            let mut last = None;
+            self.scan((start, end), breakpoints, &mut |tick, hits| {
+                last = Some((tick, hits.to_vec()));
+                ControlFlow::Continue(())
+            })?;
+            if let Some((tick, hits)) = last {
+                return self.go_to(tick).map(|_| hits);
+            }
+            (end, length) = (start, length * 2);
+        }
+        self.go_to_first_cycle()?;
+        Ok(Vec::new())
+    }
+
+    /// Returns the last tick in which a command that runs now has a cycle.
+    ///
+    /// # Errors
+    /// Returns an error if the recording is damaged, or differs from its replay.
+    pub fn last_cycle(&mut self, id: CommandId) -> Result<u64, DebugError> {
+        self.timeline.seek(self.stop.tick)?;
+        let (mut last, mut period) = (self.stop.tick, 1);
+        while !self.interrupt.load(Ordering::Relaxed) {
+            let mut runs = false;
+            let tick_ns = self.original.tick_ns;
+            let stepped = self.timeline.step(&mut |_, running, command| {
+                if running == id {
+                    runs = true;
+                    period = command.instance().image().period_ns / tick_ns;
+                }
+            })?;
+            self.check()?;
+            match stepped {
+                Some(tick) if runs => last = tick,
+                Some(tick) if tick <= last + period => {}
+                _ => break,
+            }
+        }
+        Ok(last)
+    }
+
+    /// Passes each tick from the first one up to, but without, the second one, in which a breakpoint is reached, to `take`.
+    fn scan(
+        &mut self,
+        (from, to): (u64, u64),
+        breakpoints: &[Breakpoint],
+        take: &mut dyn FnMut(u64, &[Hit]) -> ControlFlow<()>,
+    ) -> Result<(), DebugError> {
+        // The last cycle of each command before is replayed, too: an event is a difference from it.
+        self.timeline
+            .seek(from.saturating_sub(self.longest_period))?;
+        let tables = &self.tables;
+        let mut watch = BreakpointWatch::new(breakpoints);
+        let mut hits = Vec::new();
+        while self.timeline.now() < to && !self.interrupt.load(Ordering::Relaxed) {
+            hits.clear();
+            let stepped = self.timeline.step(&mut |_, id, command| {
+                if let Some(table) = table_of(tables, command) {
+                    watch.observe((id, command.instance()), (table, &tables[table]), &mut hits);
+                }
+            })?;
+            self.check()?;
+            let Some(tick) = stepped else {
+                break;
+            };
+            if tick >= from && !hits.is_empty() && take(tick, &hits).is_break() {
+                break;
+            }
+        }
+        Ok(())
+    }
+
+    /// Adds expressions of the language to the program, each evaluated with the equations of a line of the program, and replays the
+    /// recording up to the present position. An expression that does not compile is left out.
+    ///
+    /// # Errors
+    /// Returns an error for each expression that does not compile; the whole result is an error if the recording cannot be replayed.
+    pub fn add_expressions(
+        &mut self,
+        wanted: &[(u32, &str)],
+    ) -> Result<Vec<Result<ExpressionId, DebugError>>, DebugError> {
+        let known = self.expressions.clone();
+        let mut added: Vec<Result<ExpressionId, DebugError>> = Vec::new();
+        for (line, text) in wanted {
+            added.push(self.check_expression(*line, text));
+        }
+        if self.expressions != known {
+            let tick = self.stop.tick;
+            let text = self.text_with(&self.expressions)?;
+            let replayed = replay(&self.original, &self.program, Some(text))?;
+            (self.compiled, self.tables, self.timeline) = replayed;
+            self.go_to(tick)?;
+        }
+        Ok(added)
+    }
+
+    /// Adds an expression to the list if the program compiles with it.
+    fn check_expression(&mut self, line: u32, text: &str) -> Result<ExpressionId, DebugError> {
+        let expression = Expression {
+            line,
+            text: text.to_owned(),
+        };
+        if let Some(known) = self.expressions.iter().position(|e| *e == expression) {
+            return Ok(ExpressionId(known));
+        }
+        if self.expressions.len() >= MAX_EXPRESSIONS {
+            return Err(DebugError::TooManyExpressions(MAX_EXPRESSIONS));
+        }
+        // Alone, so that the errors are those of this expression.
+        let alone = self.text_with(std::slice::from_ref(&expression))?;
+        self.program.check(alone)?;
+        self.expressions.push(expression);
+        Ok(ExpressionId(self.expressions.len() - 1))
+    }
+
+    /// Returns the text of the program with an equation for each expression.
+    fn text_with(&self, expressions: &[Expression]) -> Result<String, DebugError> {
+        let mut text = self.program.text()?.to_owned();
+        let dialect = Dialect::from_path(&self.program.path().to_string_lossy());
+        for (k, expression) in expressions.iter().enumerate() {
+            let line = expression.line;
+            let at = insertion_point(&text, dialect, line).ok_or(DebugError::NoBody(line))?;
+            // No line break, so that all lines keep their numbers.
+            let one_line = expression.text.replace(['\n', '\r'], " ");
+            text.insert_str(at, &format!(" {ADDED}{k} = ({one_line});"));
+        }
+        Ok(text)
+    }
+
+    fn go_to_first_cycle(&mut self) -> Result<(), DebugError> {
+        self.timeline.seek(0)?;
+        while self.capture()? {
+            if !self.stop.commands.is_empty() {
+                return Ok(());
+            }
+        }
+        Ok(())
+    }
+
+    /// Replays the next tick and keeps its values. Returns false at the end, where the values of the last tick are kept.
+    fn capture(&mut self) -> Result<bool, DebugError> {
+        let tables = &self.tables;
+        let mut commands = Vec::new();
+        let stepped = self.timeline.step(&mut |_, id, command| {
+            if let Some(table) = table_of(tables, command) {
+                let values = RunningCommand::new(id, command.instance(), (table, &tables[table]));
+                commands.push(values);
+            }
+        })?;
+        self.check()?;
+        if let Some(tick) = stepped {
+            self.stop = Stop { tick, commands };
+        }
+        Ok(stepped.is_some())
+    }
+
+    fn check(&self) -> Result<(), DebugError> {
+        match &self.timeline.report().difference {
+            Some(difference) => Err(DebugError::Differs(difference.to_string())),
+            None => Ok(()),
+        }
+    }
+}
+
+/// Returns the name of the flow that the debugger has added, in the path of such a flow or of a part of it.
+fn added_name(path: &str) -> Option<&str> {
+    path.split(['.', '[']).find(|name| name.starts_with(ADDED))
+}
+
+/// Returns the index of the table of a command.
+fn table_of(tables: &[FlowTable], command: &Command) -> Option<usize> {
+    let name = &command.instance().image().name;
+    tables.iter().position(|table| table.command == *name)
+}
+
+/// Compiles a program, with `text` in place of its own, and prepares the replay of a recording with all its flows.
+fn replay(
+    original: &Recording,
+    program: &RecordedProgram,
+    text: Option<String>,
+) -> Result<(Compiled, Vec<FlowTable>, ReplayTimeline), DebugError> {
+    let mut recording = original.clone();
+    let commands = program.commands()?;
+    let lower = rpi_driver::lower_for_observation;
+    let compiled = program.compile(&mut recording, (&commands, text), lower)?;
+    let period = recording.tick_ns;
+    let mut tables = Vec::new();
+    for net in compiled.nets() {
+        let image = lower(net, period).map_err(RecordedProgramError::Lower)?;
+        tables.push(FlowTable::new(net, &image));
+    }
+    let timeline = ReplayTimeline::new(Arc::new(recording))?;
+    Ok((compiled, tables, timeline))
+}
