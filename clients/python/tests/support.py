@@ -38,11 +38,14 @@ object = 0.03
 
 [devices.barrier]
 kind = "light-barrier"
+
+[devices.belt]
+kind = "conveyor"
 """
 
 
 class CellTest(unittest.IsolatedAsyncioTestCase):
-    """A test with a folder that has a cell with an arm, a gripper and a light barrier."""
+    """A test with a folder that has a cell with an arm, a gripper, a light barrier and a belt."""
 
     #: Port of the server on 127.0.0.1.
     port: int
