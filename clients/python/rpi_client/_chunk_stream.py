@@ -25,6 +25,9 @@ if TYPE_CHECKING:
 #: Number of sent chunks of which the rows are kept, for the frames and the delays.
 _KEPT = 256
 
+#: Number of late observations that follow each other without a pause.
+_MADE_UP = 3
+
 #: Longest time by which the news of an end come after the answer to a request that was too late for it, s.
 _NEWS = 2.0
 
@@ -99,13 +102,16 @@ class ChunkStream:
         return self._latest
 
     async def observations(self, every: float = 0.0) -> AsyncIterator[Observation]:
-        """Yields the newest observation again and again, at most once in ``every`` seconds, until the command has ended. A slow reader
+        """Yields the newest observation again and again, on average at most once in ``every`` seconds, until the command has ended. A slow reader
         misses observations and never gets an old one."""
         due, last = time.monotonic(), 0
         while True:
-            await asyncio.sleep(max(due - time.monotonic(), 0.0))
-            # A late observation does not shift the next ones, but they are not made up for either.
-            due = max(due + every, time.monotonic() - every)
+            left = due - time.monotonic()
+            if left > 0:
+                # A sleep that is over already would cost a turn of the event loop, which a busy loop has few of.
+                await asyncio.sleep(left)
+            # A late observation does not shift the next ones. A few are made up for, so that stalls do not lower the rate.
+            due = max(due + every, time.monotonic() - _MADE_UP * every)
             async with self._news:
                 await self._news.wait_for(lambda: self._has_ended() or (self._latest is not None and self._latest.number > last))
             if self._has_ended() or self._latest is None:

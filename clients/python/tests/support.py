@@ -16,6 +16,9 @@ _Test = TypeVar("_Test", bound=Callable[..., Any])
 
 #: Program of the server and of runs.
 RPI = os.environ.get("RPI")
+#: Attribute of tests and classes that need extras.
+_NEEDS_EXTRAS = "needs_extras"
+
 needs_rpi = unittest.skipUnless(RPI, "RPI does not name the server's program")
 
 
@@ -23,7 +26,13 @@ def needs(*packages: str) -> Callable[[_Test], _Test]:
     """Skips a test without these packages; with RPI_ALL_EXTRAS, where they must be there, the test fails instead."""
     missing = [package for package in packages if importlib.util.find_spec(package) is None]
     skipped = bool(missing) and "RPI_ALL_EXTRAS" not in os.environ
-    return unittest.skipIf(skipped, f"without {', '.join(missing)}")
+
+    def decorate(test: _Test) -> _Test:
+        decorated = unittest.skipIf(skipped, f"without {', '.join(missing)}")(test)
+        setattr(decorated, _NEEDS_EXTRAS, True)
+        return decorated
+
+    return decorate
 
 
 CELL = """
@@ -51,6 +60,10 @@ class CellTest(unittest.IsolatedAsyncioTestCase):
     port: int
 
     def setUp(self) -> None:
+        method = getattr(self, self._testMethodName)
+        if "RPI_ONLY_EXTRAS" in os.environ and not (hasattr(method, _NEEDS_EXTRAS) or hasattr(self, _NEEDS_EXTRAS)):
+            # Packages do not change what it tests, and a server takes a second.
+            self.skipTest("was run without extras")
         folder = tempfile.TemporaryDirectory()
         self.addCleanup(folder.cleanup)
         self.folder = Path(folder.name)
