@@ -99,12 +99,13 @@ fn rows(home: &Joints, axes: usize, random: &mut Random) -> Vec<Joints> {
         let (kind, begin) = (random.unit(), random.unit() * count as f64);
         let ramp = 1.0 + 30.0 * random.unit();
         let frequency = random.between(0.1, 3.0);
+        let square = |x: f64| x * x;
         for (k, row) in rows.iter_mut().enumerate() {
             let since = (k as f64 - begin).max(0.0);
             row[axis] += match kind {
                 u if u < 0.25 => size * f64::from(since > 0.0),
                 u if u < 0.5 => size * (since / ramp).min(1.0),
-                u if u < 0.75 => size * (since / ramp).min(1.0).powi(2),
+                u if u < 0.75 => size * square((since / ramp).min(1.0)),
                 u if u < 0.9 => 0.1 * size * rpi_math::sin(frequency * since),
                 _ => 0.05 * size * random.between(-1.0, 1.0),
             };
