@@ -12,7 +12,7 @@ Recordings need the extra ``mcap``; data frames the extras ``pandas`` or ``polar
     Recording("out.mcap").table("/device/arm").to_pandas()
 """
 
-from ._chunk import Chunk, Observation
+from ._chunk import Chunk, Limit, Observation
 from ._chunk_program import ChunkOptions
 from ._chunk_report import ChunkReport, Delays
 from ._chunk_stream import ChunkStream
@@ -51,6 +51,7 @@ __all__ = [
     "Gripper",
     "Identity",
     "InputValue",
+    "Limit",
     "Net",
     "Observation",
     "OnLoss",

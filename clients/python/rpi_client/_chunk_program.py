@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from dataclasses import dataclass
+import re
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+from typing import NamedTuple
 
 from ._chunk import LEAST_ROWS, MOST_ROWS
 from ._text import identifier, real_text
@@ -25,7 +27,9 @@ _OUTPUTS = (
 )
 
 #: Flows of the command beside these outputs.
-_COUNTS = ("clock", "seen", "taken", "accepted_count", "rejected", "rejected_count", "late_time", "resting")
+_COUNTS = (
+    "clock", "seen", "taken", "accepted_count", "rejected", "rejected_count", "late_time", "resting", "most_deviation", "most_smoothed"
+)  # fmt: skip
 
 
 @dataclass(frozen=True)
@@ -35,8 +39,10 @@ class ChunkOptions:
     ``rows`` is the largest number of rows of a chunk (4 to 200), ``period`` the time between two of them (0.01 to 0.1 s). ``previous`` is the
     weight of the chunk before where two overlap (0 to 0.95), ``smoothing`` the largest deviation by smoothing at a row (rad). ``speed``
     (rad/s), ``acceleration`` (rad/s^2) and ``jerk`` (rad/s^3) bound each joint beside its own limits. ``velocities`` states that chunks
-    have velocities. ``gripper`` names a gripper of the cell whose opening belongs to the chunks. ``observe`` names further sensors for the
-    observations: ``"force"`` of the arm, ``"hand.opening"`` of another device, which has the name ``hand_opening`` in the values."""
+    have velocities. With ``poses`` the rows are poses of the tool. ``gripper`` names a gripper of the cell whose opening belongs to the chunks.
+    ``channels`` names other actuators whose values belong to them, with their units: ``{"spindle.speed": "rad/s"}``; an empty unit is a plain
+    number, ``"bool"`` a truth value, true from 0.5 on. They are 0 before the first chunk. ``observe`` names further sensors for the observations:
+    ``"force"`` of the arm, ``"hand.opening"`` of another device, which has the name ``hand_opening`` in the values."""
 
     rows: int = 50
     period: float = 0.02
@@ -46,11 +52,13 @@ class ChunkOptions:
     acceleration: float | None = None
     jerk: float | None = None
     velocities: bool = False
+    poses: bool = False
     gripper: str | None = None
+    channels: Mapping[str, str] = field(default_factory=dict)
     observe: Sequence[str] = ()
 
     def check(self) -> None:
-        """``ValueError`` for a number that is out of its range."""
+        """``ValueError`` for a number that is out of its range, and for options that exclude each other."""
         ranges = (
             ("rows", self.rows, LEAST_ROWS, MOST_ROWS),
             ("period", self.period, 0.01, 0.1),
@@ -60,6 +68,8 @@ class ChunkOptions:
         for name, value, least, most in ranges:
             if not least <= value <= most:
                 raise ValueError(f"{name} is {value}, not from {least} to {most}")
+        if self.poses and self.velocities:
+            raise ValueError("chunks of poses have no velocities")
 
 
 def chunk_program(arm: str, joint_count: int, types: dict[str, tuple[str, str]], options: ChunkOptions) -> str:
@@ -79,7 +89,7 @@ def chunk_program(arm: str, joint_count: int, types: dict[str, tuple[str, str]],
         *_inputs(joint_count, options),
         *_motion(arm, joint_count, options),
         *_counters(),
-        *_gripper(options),
+        *(line for channel in _channels(options) for line in channel.lines()),
         *_exports(arm, options),
         "finish rests when resting and cancel;",
         # If several results hold in a cycle, that of an error counts.
@@ -96,10 +106,14 @@ _UNITS = (
 )
 
 
+#: Pose of a row that no chunk has set.
+_NO_POSE = "pose(0[m], 0[m], 0[m], 0[rad], 0[rad], 0[rad])"
+
+
 def _devices(arm: str, options: ChunkOptions) -> list[str]:
     """Returns the names of the devices that the command uses, the arm first."""
     names = [arm]
-    others = [sensor.rpartition(".")[0] for sensor in options.observe]
+    others = [port.rpartition(".")[0] for port in (*options.channels, *options.observe)]
     for name in [options.gripper or "", *others]:
         if name and name not in names:
             names.append(identifier(name))
@@ -108,18 +122,20 @@ def _devices(arm: str, options: ChunkOptions) -> list[str]:
 
 def _inputs(joint_count: int, options: ChunkOptions) -> list[str]:
     size = joint_count * options.rows
-    arrays = [("positions", size)]
+    arrays = [] if options.poses else [("positions", size)]
     if options.velocities:
         arrays.append(("velocities", size))
-    if options.gripper is not None:
-        arrays.append(("widths", options.rows))
+    arrays += [(channel.key, options.rows) for channel in _channels(options)]
     scalars = (("Int", "number", "0"), ("Int", "count", str(options.rows)), ("Int", "frozen", "0"))
-    return [
+    lines = [
         *(f'{key} = Core::{kind}NetcommIn<<Key: "{key}", Value: {value}>>().outValue;' for kind, key, value in scalars),
         'appended = Core::BooleanNetcommIn<<Key: "append", Value: false>>().outValue;',
         'observed = Core::DoubleNetcommIn<<Key: "observed", Value: 0.0>>().outValue;',
         *(f'{key} = Core::DoubleArrayNetcommIn<<Key: "{key}", Value: 0.0^{length}>>().outValue;' for key, length in arrays),
     ]
+    if options.poses:
+        lines.append(f'poses = World::FrameArrayNetcommIn<<Key: "poses", Value: {_NO_POSE}^{options.rows}>>().outValue;')
+    return lines
 
 
 def _motion(arm: str, joint_count: int, options: ChunkOptions) -> list[str]:
@@ -130,7 +146,7 @@ def _motion(arm: str, joint_count: int, options: ChunkOptions) -> list[str]:
     arguments = [
         arm,
         "number",
-        f"map<<Radians, {size}>>(positions)",
+        "poses" if options.poses else f"map<<Radians, {size}>>(positions)",
         f"period: {real_text('period', options.period)}[s]",
         # A time in the future, as by an error of the clocks, counts as now.
         "age: max(time - observed * 1[s], 0[s])",
@@ -142,7 +158,8 @@ def _motion(arm: str, joint_count: int, options: ChunkOptions) -> list[str]:
     ]
     if options.velocities:
         arguments += [f"velocities: map<<RadiansPerSecond, {size}>>(velocities)", "with_velocities: true"]
-    call = f"Chunks<<{'; '.join(statics)}>>({', '.join(arguments)})"
+    fragment = "PoseChunks" if options.poses else "Chunks"
+    call = f"{fragment}<<{'; '.join(statics)}>>({', '.join(arguments)})"
     return ["clock = time / 1[s];", f"way = {call};", f"{arm}.joints = way.joints;"]
 
 
@@ -151,7 +168,8 @@ def _counters() -> list[str]:
     return [
         "seen = number;",
         "changed = way.accepted <> (0 -> pre accepted);",
-        "refused = seen <> (0 -> pre seen) and way.accepted <> seen;",
+        # Chunks of poses are rejected some cycles after they have come.
+        "refused = way.rejected <> 0 and (seen <> (0 -> pre seen) or (0 -> pre way.rejected) = 0);",
         "taken = if changed then clock else (0.0 -> pre taken);",
         "accepted_count = (0 -> pre accepted_count) + (if changed then 1 else 0);",
         # The motion forgets the code with the next chunk that it accepts, which may come before the next feedback.
@@ -160,21 +178,62 @@ def _counters() -> list[str]:
         # The arm is not late before it follows its first chunk.
         "began = not way.late or (false -> pre began);",
         "late_time = (0.0 -> pre late_time) + (if way.late and began then clock - (0.0 -> pre clock) else 0.0);",
+        "most_deviation = max(way.deviation / 1[rad], 0.0 -> pre most_deviation);",
+        "most_smoothed = max(way.smoothed / 1[rad], 0.0 -> pre most_smoothed);",
         # A cancel request pauses the motion, which is not done then; it still rests where it was.
         "resting = way.done or cancel and (false -> pre resting);",
     ]
 
 
-def _gripper(options: ChunkOptions) -> list[str]:
-    if options.gripper is None:
-        return []
-    hand = options.gripper
-    return [
-        # A chunk that is not accepted must not move the fingers.
-        "held_widths = if changed then widths else (widths -> pre held_widths);",
-        f"first_width = {hand}.opening -> pre first_width;",
-        f"{hand}.width = if way.accepted <> 0 then held_widths[way.row] * 1[m] else first_width;",
-    ]
+class _Channel(NamedTuple):
+    """Values of an actuator that belong to the rows of chunks."""
+
+    #: Input of the values.
+    key: str
+    actuator: str
+    #: Value from a plain number.
+    value: str
+    #: Value before the first chunk.
+    first: str
+
+    def lines(self) -> list[str]:
+        key = self.key
+        return [
+            # A chunk that is not accepted must not move anything.
+            f"held_{key} = if changed then {key} else ({key} -> pre held_{key});",
+            f"first_{key} = {self.first} -> pre first_{key};",
+            f"now_{key} = held_{key}[way.row];",
+            f"{self.actuator} = if way.accepted <> 0 then {self.value.format(f'now_{key}')} else first_{key};",
+        ]
+
+
+def _channels(options: ChunkOptions) -> list[_Channel]:
+    """Returns the actuators beside the arm. ``ValueError`` for a name or a unit that cannot stand in a program."""
+    channels = []
+    if options.gripper is not None:
+        hand = identifier(options.gripper)
+        channels.append(_Channel("widths", f"{hand}.width", "{} * 1[m]", f"{hand}.opening"))
+    for name, unit in options.channels.items():
+        device, _, port = name.rpartition(".")
+        value, first = _conversion(name, unit)
+        channels.append(_Channel(channel_key(name), f"{identifier(device)}.{identifier(port)}", value, first))
+    return channels
+
+
+def _conversion(name: str, unit: str) -> tuple[str, str]:
+    """Returns the form of a value in this unit, with braces in the place of its number, and the value 0."""
+    if unit == "bool":
+        return "{} >= 0.5", "false"
+    if not unit:
+        return "{}", "0.0"
+    if not re.fullmatch(r"[A-Za-z0-9*/^]+", unit, re.ASCII):
+        raise ValueError(f"{name}: {unit!r} is not a unit of programs")
+    return f"{{}} * 1[{unit}]", f"0[{unit}]"
+
+
+def channel_key(actuator: str) -> str:
+    """Returns the name of the input with the values of an actuator: ``channel_spindle_speed`` for ``spindle.speed``."""
+    return f"channel_{flow_name(actuator)}"
 
 
 def _exports(arm: str, options: ChunkOptions) -> list[str]:

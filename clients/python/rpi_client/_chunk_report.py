@@ -7,6 +7,8 @@ from collections import deque
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING
 
+from ._chunk import Limit
+
 if TYPE_CHECKING:
     from ._goal import Ending
 
@@ -60,8 +62,9 @@ class ChunkReport:
     those that a newer one has replaced before they were sent; ``codes`` has the error codes of rejected chunks, with their number. ``inference`` is the
     time that the policy took, from an observation to its chunk; ``age`` the age of the first row of a chunk when the arm accepted it, by
     the clock of the server; ``in_force`` the time from sending a chunk to the cycle in which the arm accepted it, with an error of at most
-    ``clock_uncertainty`` (s). ``late_time`` is the time for which the arm braked or rested because no chunk had come (s). ``lost_frames`` counts rows that
-    a table of frames does not have because the disk was too slow. ``ending`` is that of the command, None while it runs."""
+    ``clock_uncertainty`` (s). ``late_time`` is the time for which the arm braked or rested because no chunk had come (s). ``deviation`` is the largest distance
+    of a joint from the smoothed chunks, ``smoothed`` the largest distance of these from their rows (rad). ``limits`` has the number of ``observations`` in
+    which a limit bound, by limit. ``lost_frames`` counts rows that a table of frames does not have because the disk was too slow. ``ending`` is that of the command, None while it runs."""
 
     sent: int = 0
     accepted: int = 0
@@ -73,8 +76,29 @@ class ChunkReport:
     in_force: Delays = field(default_factory=Delays)
     clock_uncertainty: float = math.inf
     late_time: float = 0.0
+    deviation: float = 0.0
+    smoothed: float = 0.0
+    limits: dict[Limit, int] = field(default_factory=dict)
+    observations: int = 0
     lost_frames: int = 0
     ending: Ending | None = None
+
+    @property
+    def superseded(self) -> int:
+        """Number of chunks that a newer one has replaced while the arm converted their poses; valid once no chunk is on its way."""
+        return self.sent - self.accepted - self.rejected
+
+    def note(self, limit: Limit | None, deviation: float, smoothed: float) -> None:
+        """Notes an observation: a limit that binds, and the largest distances so far (rad)."""
+        self.observations += 1
+        self.deviation, self.smoothed = deviation, smoothed
+        if limit is not None:
+            self.limits[limit] = self.limits.get(limit, 0) + 1
+
+    def _limits_text(self) -> str:
+        """Returns the limits that bound, the most frequent one first, with their shares of the observations."""
+        frequent = sorted(self.limits.items(), key=lambda entry: -entry[1])[:3]
+        return ", ".join(f"{limit} in {100 * count / self.observations:.1f} %" for limit, count in frequent) or "none"
 
     def __str__(self) -> str:
         codes = ", ".join(f"{count} with code {code} ({_CODES.get(code, 'code of the arm')})" for code, count in self.codes.items())
@@ -84,5 +108,7 @@ class ChunkReport:
             f"age of the first row: {self.age}",
             f"from sent to in force: {self.in_force}, clocks within {1e3 * self.clock_uncertainty:.1f} ms",
             f"late for {self.late_time:.3f} s",
+            f"deviation: {self.deviation:.4f} rad at most, by smoothing {self.smoothed:.4f} rad",
+            f"limits that bound: {self._limits_text()}",
         ]
         return "\n".join(lines)

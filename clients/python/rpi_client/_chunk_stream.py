@@ -10,7 +10,8 @@ from dataclasses import replace
 from types import TracebackType
 from typing import TYPE_CHECKING, Any
 
-from ._chunk import Chunk, Observation, Rows, SentChunk, padded, rows_of
+from ._chunk import POSE_NUMBERS, Chunk, Observation, Rows, SentChunk, column_of, lengthened, limit_of, padded, poses_of, rows_of
+from ._chunk_program import channel_key
 from ._chunk_report import ChunkReport
 from ._clock import ServerClock
 from ._core import RpiError
@@ -24,13 +25,16 @@ if TYPE_CHECKING:
 #: Number of sent chunks of which the rows are kept, for the frames and the delays.
 _KEPT = 256
 
+#: Number of late observations that follow each other without a pause.
+_MADE_UP = 3
+
 #: Longest time by which the news of an end come after the answer to a request that was too late for it, s.
 _NEWS = 2.0
 
 #: Flows of a command that the stream reads itself.
 _OWN = (
     "clock seen taken accepted accepted_count rejected rejected_count late_time resting row lag remaining late "
-    "position velocity commanded measured"
+    "position velocity commanded measured deviation axis limit most_deviation most_smoothed"
 ).split()
 
 
@@ -38,7 +42,7 @@ class ChunkStream:
     """Sends chunks of joint positions to a command that follows them, and receives observations.
 
     ``goal`` is a loaded command: that of :meth:`Arm.open_chunks`, or one that you have made from :meth:`Arm.chunk_program`. It has the inputs
-    ``number``, ``count``, ``observed`` and ``positions``, which are set between the same two cycles, and the exports of this program. ``frames``
+    ``number``, ``count``, ``observed`` and ``positions`` (or ``poses``), which are set between the same two cycles, and the exports of this program. ``frames``
     is a table that gets a row for each observation.
 
     As a context manager it starts the command, and at the end of the block it stops the arm on its path and unloads the command.
@@ -48,13 +52,16 @@ class ChunkStream:
         self.goal = goal
         self.clock = ServerClock()
         self.report = ChunkReport()
-        missing = [name for name in ("number", "count", "observed", "positions") if name not in goal.inputs]
+        self._has_poses = "poses" in goal.inputs
+        array = "poses" if self._has_poses else "positions"
+        missing = [name for name in ("number", "count", "observed", array) if name not in goal.inputs]
         flows = {name.partition("[")[0] for name in goal.exports}
         missing += [name for name in _OWN if name not in flows]
         if missing:
             raise ValueError(f"{goal.title} has no {', '.join(missing)}; `Arm.chunk_program` returns a program that has them")
         self.joint_count = sum(name.startswith("position[") for name in goal.exports)
-        self.rows = goal.inputs["positions"].shape[0] // self.joint_count
+        self.rows = goal.inputs[array].shape[0] // (1 if self._has_poses else self.joint_count)
+        self._channels = [name for name in goal.inputs if name.startswith("channel_")]
         self._frames = frames
         self._sent: dict[int, SentChunk] = {}
         self._number = 0
@@ -95,13 +102,16 @@ class ChunkStream:
         return self._latest
 
     async def observations(self, every: float = 0.0) -> AsyncIterator[Observation]:
-        """Yields the newest observation again and again, at most once in ``every`` seconds, until the command has ended. A slow reader
+        """Yields the newest observation again and again, on average at most once in ``every`` seconds, until the command has ended. A slow reader
         misses observations and never gets an old one."""
         due, last = time.monotonic(), 0
         while True:
-            await asyncio.sleep(max(due - time.monotonic(), 0.0))
-            # A late observation does not shift the next ones, but they are not made up for either.
-            due = max(due + every, time.monotonic() - every)
+            left = due - time.monotonic()
+            if left > 0:
+                # A sleep that is over already would cost a turn of the event loop, which a busy loop has few of.
+                await asyncio.sleep(left)
+            # A late observation does not shift the next ones. A few are made up for, so that stalls do not lower the rate.
+            due = max(due + every, time.monotonic() - _MADE_UP * every)
             async with self._news:
                 await self._news.wait_for(lambda: self._has_ended() or (self._latest is not None and self._latest.number > last))
             if self._has_ended() or self._latest is None:
@@ -116,18 +126,14 @@ class ChunkStream:
             # The server accepts inputs of a command that has ended.
             raise RpiError(RpiError.UNKNOWN, f"{self.goal.title} has ended", [])
         chunk = chunk if isinstance(chunk, Chunk) else Chunk(chunk)
-        rows = rows_of("positions", chunk.positions, self.joint_count, self.rows)
-        values: dict[str, Any] = {"count": len(rows), "positions": padded(rows, self.rows)}
-        values.update(self._options(chunk, len(rows)))
-        if chunk.velocities is not None:
-            velocities = rows_of("velocities", chunk.velocities, self.joint_count, self.rows)
-            if len(velocities) != len(rows):
-                raise ValueError(f"velocities: {len(rows)} rows are needed, and there are {len(velocities)}")
-            values["velocities"] = padded(velocities, self.rows)
+        rows = self._rows_of(chunk)
+        values = self._arrays(chunk, rows)
+        columns = self._columns(chunk, len(rows))
+        values.update({name: lengthened(column, self.rows) for name, column in columns.items()})
         observed, start = self._start_of(chunk.observed)
         self._number += 1
         number = self._number
-        self._keep(SentChunk(number, time.monotonic(), start, rows))
+        self._keep(SentChunk(number, time.monotonic(), start, rows, columns))
         try:
             await self.goal.set(number=number, observed=observed, **values)
         except (TypeError, ValueError):
@@ -221,18 +227,43 @@ class ChunkStream:
     def _has_ended(self) -> bool:
         return self._ended or self.goal.latest.state in (State.TERMINATED, State.UNLOADED)
 
-    def _options(self, chunk: Chunk, count: int) -> dict[str, Any]:
-        """Returns the optional inputs of a chunk. ``ValueError`` if the command does not have one that the chunk needs."""
+    def _rows_of(self, chunk: Chunk) -> list[list[float]]:
+        if self._has_poses:
+            return rows_of("poses", chunk.positions, POSE_NUMBERS, self.rows)
+        return rows_of("positions", chunk.positions, self.joint_count, self.rows)
+
+    def _arrays(self, chunk: Chunk, rows: list[list[float]]) -> dict[str, Any]:
+        """Returns the inputs with the rows of a chunk and its options."""
+        values: dict[str, Any] = {"count": len(rows)}
+        if self._has_poses:
+            values["poses"] = lengthened(poses_of(rows), self.rows)
+        else:
+            values["positions"] = padded(rows, self.rows)
+        if chunk.velocities is not None:
+            velocities = rows_of("velocities", chunk.velocities, self.joint_count, self.rows)
+            if len(velocities) != len(rows):
+                raise ValueError(f"velocities: {len(rows)} rows are needed, and there are {len(velocities)}")
+            values["velocities"] = padded(velocities, self.rows)
         options: dict[str, Any] = {"append": chunk.append, "frozen": chunk.frozen}
+        # A command of another program need not have them while they have their defaults.
+        values.update({name: value for name, value in options.items() if value or name in self.goal.inputs})
+        return values
+
+    def _columns(self, chunk: Chunk, count: int) -> dict[str, list[float]]:
+        """Returns the inputs with the values of other devices. ``ValueError`` if a chunk lacks one that the command has."""
+        if chunk.append and (self._channels or "widths" in self.goal.inputs):
+            # The arm would read the values of the new chunk while it executes the last rows of the one before.
+            raise ValueError("a chunk with values of a gripper or another device cannot be appended")
+        columns = {}
         if chunk.widths is not None:
-            widths = rows_of("widths", [[width] for width in _listed(chunk.widths)], 1, self.rows)
-            if len(widths) != count:
-                raise ValueError(f"widths: {count} are needed, and there are {len(widths)}")
-            options["widths"] = padded(widths, self.rows)
+            columns["widths"] = column_of("widths", chunk.widths, count)
         elif "widths" in self.goal.inputs:
             raise ValueError("widths: the gripper of this stream needs an opening at each row")
-        # A command of another program need not have them while they have their defaults.
-        return {name: value for name, value in options.items() if value or name in self.goal.inputs}
+        columns.update({channel_key(name): column_of(name, values, count) for name, values in chunk.channels.items()})
+        missing = [name for name in self._channels if name not in columns]
+        if missing:
+            raise ValueError(f"channels: {missing[0].removeprefix('channel_')} of this stream needs a value at each row")
+        return columns
 
     def _start_of(self, observed: Observation | float | None) -> tuple[float, float]:
         """Returns the time of the first row by the server's clock and by the one here, s."""
@@ -277,11 +308,14 @@ class ChunkStream:
             accepted=values["accepted"],
             remaining=values["remaining"],
             lag=values["lag"],
+            deviation=values["deviation"],
+            limit=limit_of(values["axis"], values["limit"]),
             late=values["late"],
             values={name: value for name, value in values.items() if name not in _OWN},
         )
+        self.report.note(self._latest.limit, values["most_deviation"], values["most_smoothed"])
         if self._frames is not None:
-            self._frames.add_observation(self._latest, self._action(values), values["accepted"], values["row"])
+            self._frames.add_observation(self._latest, *self._action(values), values["accepted"], values["row"])
 
     def _note_acceptance(self, values: dict[str, Any]) -> None:
         """Notes that a chunk has been accepted or rejected since the last feedback."""
@@ -300,11 +334,11 @@ class ChunkStream:
             self.report.codes[code] = self.report.codes.get(code, 0) + values["rejected_count"] - self.report.rejected
             self.report.rejected = values["rejected_count"]
 
-    def _action(self, values: dict[str, Any]) -> list[float] | None:
-        """Returns the row of the accepted chunk whose time has come, rad; None without a chunk."""
+    def _action(self, values: dict[str, Any]) -> tuple[list[float] | None, dict[str, float | None]]:
+        """Returns the row of the accepted chunk whose time has come, and the values of other devices there; None without a chunk."""
+        names = [name for name in ("widths", *self._channels) if name in self.goal.inputs]
         chunk = self._sent.get(values["accepted"])
-        return None if chunk is None else chunk.rows[min(max(values["row"], 0), len(chunk.rows) - 1)]
-
-
-def _listed(values: Any) -> Any:
-    return values.tolist() if hasattr(values, "tolist") else values
+        if chunk is None:
+            return None, dict.fromkeys(names)
+        row = min(max(values["row"], 0), len(chunk.rows) - 1)
+        return chunk.rows[row], {name: chunk.channels[name][row] for name in names}

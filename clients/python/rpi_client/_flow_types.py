@@ -58,9 +58,16 @@ class FlowType:
         elements = [value]
         for length in self.shape:
             elements = [part for element in elements for part in _items(element, length)]
+        if self.scalar == "real" and _PLAIN.issuperset(map(type, elements)) and all(map(math.isfinite, elements)):
+            # Chunks of policies have hundreds of numbers.
+            return f"[{','.join(map(repr, map(float, elements)))}]"
         return f"[{','.join(_encoded(self.scalar, element) for element in elements)}]"
 
 
+#: A key, a word or a number in the text of a value.
+_WORD = re.compile(r"[^\s\[\]{}:,]+")
+#: Types of numbers that need no conversion.
+_PLAIN = {float, int}
 #: Types whose text is one word.
 _WORDS = ("bool", "int", "real", "Time")
 _LARGEST_INT = 2**63
@@ -98,7 +105,10 @@ _SPATIAL: dict[str, Callable[[Any], Value]] = {
 
 def _tree(text: str) -> Any:
     """Parses objects and lists: JSON, but for keys without quotes and words. Words and numbers become strings."""
-    return json.loads(re.sub(r"[^\s\[\]{}:,]+", lambda word: json.dumps(word[0]), text))
+    if '"' in text or "\\" in text:
+        return json.loads(_WORD.sub(lambda word: json.dumps(word[0]), text))
+    # The usual case, without a call for each word.
+    return json.loads(_WORD.sub(r'"\g<0>"', text))
 
 
 def _nanoseconds(text: str) -> int:

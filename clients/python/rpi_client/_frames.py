@@ -66,8 +66,10 @@ class FrameTable:
         except queue.Full:
             self.lost += 1
 
-    def add_observation(self, observation: Observation, action: list[float] | None, chunk: int, row: int) -> None:
-        """Adds an observation of a stream of chunks, and the row of the chunk whose time has come."""
+    def add_observation(
+        self, observation: Observation, action: list[float] | None, channels: Mapping[str, float | None], chunk: int, row: int
+    ) -> None:
+        """Adds an observation of a stream of chunks, and the row of the chunk whose time has come, with the values of other devices there."""
         numbers = {name: value for name, value in observation.values.items() if isinstance(value, (bool, int, float, list))}
         state = {"state": observation.positions, "velocity": observation.velocities, "pose": _pose_numbers(observation), **numbers}
         self.add(
@@ -79,6 +81,9 @@ class FrameTable:
             row=row,
             late=observation.late,
             lag=observation.lag,
+            deviation=observation.deviation,
+            limit=None if observation.limit is None else str(observation.limit),
+            **{f"action.{name.removeprefix('channel_')}": value for name, value in channels.items()},
             server_time=observation.server_time,
             client_time=observation.time,
         )
@@ -118,9 +123,9 @@ class FrameTable:
                 writer.close()
 
     def _schema(self, frames: list[dict[str, Any]]) -> Any:
-        """Returns the types of the columns, from the first frames. There may be no action yet: it is a list of reals then, any other column reals."""
+        """Returns the types of the columns, from the first frames. There may be no action yet: it is a list of reals then; limits are texts, any other column reals."""
         arrow = self._arrow
-        known = {"action": arrow.list_(arrow.float64())}
+        known = {"action": arrow.list_(arrow.float64()), "limit": arrow.string()}
         fields = arrow.Table.from_pylist(frames).schema
         missing = arrow.types.is_null
         return arrow.schema([(one.name, known.get(one.name, arrow.float64()) if missing(one.type) else one.type) for one in fields])

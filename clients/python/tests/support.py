@@ -16,6 +16,9 @@ _Test = TypeVar("_Test", bound=Callable[..., Any])
 
 #: Program of the server and of runs.
 RPI = os.environ.get("RPI")
+#: Attribute of tests and classes that need extras.
+_NEEDS_EXTRAS = "needs_extras"
+
 needs_rpi = unittest.skipUnless(RPI, "RPI does not name the server's program")
 
 
@@ -23,7 +26,13 @@ def needs(*packages: str) -> Callable[[_Test], _Test]:
     """Skips a test without these packages; with RPI_ALL_EXTRAS, where they must be there, the test fails instead."""
     missing = [package for package in packages if importlib.util.find_spec(package) is None]
     skipped = bool(missing) and "RPI_ALL_EXTRAS" not in os.environ
-    return unittest.skipIf(skipped, f"without {', '.join(missing)}")
+
+    def decorate(test: _Test) -> _Test:
+        decorated = unittest.skipIf(skipped, f"without {', '.join(missing)}")(test)
+        setattr(decorated, _NEEDS_EXTRAS, True)
+        return decorated
+
+    return decorate
 
 
 CELL = """
@@ -38,16 +47,23 @@ object = 0.03
 
 [devices.barrier]
 kind = "light-barrier"
+
+[devices.belt]
+kind = "conveyor"
 """
 
 
 class CellTest(unittest.IsolatedAsyncioTestCase):
-    """A test with a folder that has a cell with an arm, a gripper and a light barrier."""
+    """A test with a folder that has a cell with an arm, a gripper, a light barrier and a belt."""
 
     #: Port of the server on 127.0.0.1.
     port: int
 
     def setUp(self) -> None:
+        method = getattr(self, self._testMethodName)
+        if "RPI_ONLY_EXTRAS" in os.environ and not (hasattr(method, _NEEDS_EXTRAS) or hasattr(self, _NEEDS_EXTRAS)):
+            # Packages do not change what it tests, and a server takes a second.
+            self.skipTest("was run without extras")
         folder = tempfile.TemporaryDirectory()
         self.addCleanup(folder.cleanup)
         self.folder = Path(folder.name)

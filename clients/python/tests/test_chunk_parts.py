@@ -11,8 +11,8 @@ from collections.abc import AsyncIterator
 from typing import Any
 from unittest import mock
 
-from rpi_client import Chunk, ChunkOptions, Delays, Observation, ServerClock
-from rpi_client._chunk import padded, rows_of
+from rpi_client import Chunk, ChunkOptions, ChunkReport, Delays, Limit, Observation, Pose, ServerClock, Vector
+from rpi_client._chunk import limit_of, padded, poses_of, rows_of
 from rpi_client._chunk_program import chunk_program
 from rpi_client._policy import Mailbox, chunks_of
 
@@ -87,6 +87,21 @@ class RowsTest(unittest.TestCase):
         self.assertEqual(rows_of("positions", np.arange(8.0).reshape(4, 2), 2, 4), [[0, 1], [2, 3], [4, 5], [6, 7]])
         self.assertEqual(rows_of("positions", [np.float32(k) * np.ones(1) for k in range(4)], 1, 4), [[0], [1], [2], [3]])
 
+    def test_poses_are_rows_of_seven_numbers(self) -> None:
+        pose = Pose(Vector(1, 2, 3))
+        self.assertEqual(rows_of("poses", [pose] * 4, 7, 4), [[1.0, 2.0, 3.0, 0.0, 0.0, 0.0, 1.0]] * 4)
+        self.assertEqual(poses_of([[1.0, 2.0, 3.0, 0.0, 0.0, 0.0, 1.0]]), [pose])
+        with self.assertRaisesRegex(ValueError, "a row of 6 numbers"):
+            rows_of("positions", [pose] * 4, 6, 4)
+
+    def test_limits_have_names(self) -> None:
+        self.assertEqual([limit_of(*pair) for pair in ((0, 0), (3, 2), (1, 9))], [None, Limit(2, "acceleration"), None])
+        report = ChunkReport()
+        for limit in (None, Limit(2, "jerk"), Limit(2, "jerk"), Limit(0, "range")):
+            report.note(limit, 0.25, 0.5)
+        self.assertIn("limits that bound: jerk of joint 2 in 50.0 %, range of joint 0 in 25.0 %", str(report))
+        self.assertIn("deviation: 0.2500 rad at most, by smoothing 0.5000 rad", str(report))
+
     def test_quantiles(self) -> None:
         delays = Delays()
         self.assertTrue(math.isnan(delays.p99))
@@ -102,7 +117,7 @@ class RowsTest(unittest.TestCase):
                 chunk_program("arm", 6, types, wrong)
         with self.assertRaisesRegex(ValueError, "speed is -1.0, not a positive number"):
             chunk_program("arm", 6, types, ChunkOptions(speed=-1.0))
-        for injected in (ChunkOptions(observe=["pose; finish x when true"]), ChunkOptions(gripper="h; x = 1")):
+        for injected in (ChunkOptions(observe=["pose; finish x when true"]), ChunkOptions(gripper="h; x = 1"), ChunkOptions(channels={"arm.b; x": ""})):
             with self.assertRaisesRegex(ValueError, "not a name in programs"):
                 chunk_program("arm", 6, types, injected)
         with self.assertRaisesRegex(ValueError, "no device hand"):

@@ -47,6 +47,9 @@ pub(crate) trait CellDevice: Device {
         let _ = each;
     }
 
+    /// Ends the work of the device at the end of a run: it reports the events that a program still waits for.
+    fn finish(&mut self) {}
+
     /// True for a real device, which needs real time and must be opened before use.
     fn has_driver(&self) -> bool {
         false
@@ -251,6 +254,12 @@ impl SimBank {
         for NamedDevice { name, device } in self.devices.iter().flatten() {
             device.limit_usage(&mut |axis| each(name, axis));
         }
+    }
+
+    /// Ends the work of all devices at the end of a run, before their last [`reports`](Self::reports).
+    pub fn finish(&mut self) {
+        let parts = self.devices.iter_mut().flatten();
+        parts.for_each(|part| part.device.finish());
     }
 
     /// Passes all reports since the last call to `each`, with the name of the device. Returns the number of reports

@@ -165,11 +165,18 @@ struct DeclaredName {
 
 /// Returns every name that a program declares and that can be renamed, in text order.
 fn declared_names(path: &Path, text: &str) -> Vec<DeclaredName> {
+    use rpi_sema::query::Def;
     use rpi_sema::query::DefKind::{Device, Module, Param, Primitive, Test};
     let seen = rpi_driver::inspect(path, text, &rpi_driver::DiskLoader);
     let index = seen.index();
     let defs = index.defs_in(rpi_diag::FileId(0)).map(|(_, def)| def);
-    let named = defs.filter(|def| !matches!(def.kind, Module | Primitive | Test));
+    // The ports of a primitive have the names of its declaration in the core.
+    let is_of_primitive = |def: &Def| {
+        def.parent
+            .is_some_and(|parent| index.def(parent).kind == Primitive)
+    };
+    let named =
+        defs.filter(|def| !matches!(def.kind, Module | Primitive | Test) && !is_of_primitive(def));
     let is_device_type = |ty| {
         let names = index.references_in(ty);
         names

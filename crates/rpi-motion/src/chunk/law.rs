@@ -5,8 +5,8 @@
 //! second and third derivative, with which the axes can follow.
 
 use super::LimitKind;
-use super::curve::Curve;
-use super::curve::MAX_CURVE_ROWS;
+use super::curve::{Curve, DerivativeBounds, MAX_CURVE_ROWS};
+use super::state::{difference, is_within};
 use crate::Arm;
 use crate::online::{AxisLimits, MotionOptions, OnlineMotion};
 use alloc::vec::Vec;
@@ -30,6 +30,9 @@ const STEADY_JERK: f64 = 0.8;
 /// Rate below which the time of the curve counts as standing.
 const STANDING: f64 = 1e-9;
 
+/// Distance (s), rate and change of the rate (1/s) at which the time of the curve stands at its end.
+const STOPPED: [f64; 3] = [1e-12, 1e-10, 1e-7];
+
 /// Axis (counted from 0) and kind of a limit that binds.
 pub type BindingLimit = (usize, LimitKind);
 
@@ -37,12 +40,15 @@ pub type BindingLimit = (usize, LimitKind);
 #[derive(Clone, Debug)]
 pub(super) struct Rates {
     spans: Vec<(f64, Option<BindingLimit>)>,
+    /// Largest change of the rate on each span that the accelerations of all axes allow, 1/s.
+    changes: Vec<f64>,
 }
 
 impl Rates {
     pub(super) fn empty() -> Self {
         Self {
             spans: Vec::with_capacity(MAX_CURVE_ROWS),
+            changes: Vec::with_capacity(MAX_CURVE_ROWS),
         }
     }
 
@@ -56,18 +62,62 @@ impl Rates {
         from: f64,
     ) -> f64 {
         self.spans.clear();
+        self.changes.clear();
         let first = curve.place(from).0;
         let mut smallest = 1.0f64;
         for span in 0..=curve.place(curve.end()).0 {
             let middle = curve.start() + (span as f64 + 0.5) * curve.period();
-            let rate = match span < first {
-                true => (1.0, None),
-                false => rate_on(arm, bounds, curve, middle),
+            let (rate, change) = match span < first {
+                true => ((1.0, None), f64::INFINITY),
+                false => {
+                    let most = curve.bounds(middle, middle);
+                    let rate = rate_within(arm, bounds, &most);
+                    (rate, change_within(arm, bounds, &most, rate.0))
+                }
             };
             smallest = smallest.min(rate.0);
             self.spans.push(rate);
+            self.changes.push(change);
+        }
+        if smallest < 1.0 {
+            self.smooth(curve.period());
         }
         smallest
+    }
+
+    /// Lowers the rates such that the axes can follow their changes from span to span, each `period` seconds of the curve long:
+    /// before a slow span the rate must sink in time, and after it the rate rises with the arm.
+    fn smooth(&mut self, period: f64) {
+        let count = self.spans.len();
+        for span in (1..count).rev() {
+            self.lower(span - 1, span, period);
+        }
+        for span in 1..count {
+            self.lower(span, span - 1, period);
+        }
+    }
+
+    /// Lowers the rate on `span` to one from which that on its `neighbour` can be reached.
+    fn lower(&mut self, span: usize, neighbour: usize, period: f64) {
+        let ((rate, _), (next, limit)) = (self.spans[span], self.spans[neighbour]);
+        if next >= rate {
+            return;
+        }
+        // The rate r along the time s of the curve with the change a: r dr/ds = a.
+        let reachable = libm::sqrt(next * next + 2.0 * period * self.changes[span]);
+        if reachable < rate {
+            self.spans[span] = (reachable, limit);
+        }
+    }
+
+    /// Returns the rate nearest to `rate` to which the rate of `law` can change within `period` seconds such that the axes can follow.
+    pub(super) fn followed(&self, curve: &Curve, law: &AxisState, rate: f64, period: f64) -> f64 {
+        let span = curve.place(law.position).0;
+        let most = self
+            .changes
+            .get(span)
+            .map_or(f64::INFINITY, |change| change * period);
+        rate.max(law.velocity - most).min(law.velocity + most)
     }
 
     /// Returns the smallest rate between the times `from` and `to` (s), and the limit that binds there; `None` at the rate 1.
@@ -83,14 +133,28 @@ impl Rates {
     }
 }
 
-/// Returns the highest rate, at most 1, on the span with the time `middle` (s), and the limit that binds.
-fn rate_on(
+/// Returns the largest change of the rate (1/s) at `rate` on a span with the derivatives `most` that the accelerations of all
+/// axes allow.
+fn change_within(
     arm: &Arm,
     bounds: &[Bounds; MAX_AXES],
-    curve: &Curve,
-    middle: f64,
+    most: &DerivativeBounds,
+    rate: f64,
+) -> f64 {
+    let of_axis = |axis: usize| {
+        let bound = bounds[axis].acceleration;
+        let left = bound - most.second[axis] * rate * rate;
+        left.max((1.0 - STEADY_ACCELERATION) * bound) / most.first[axis].max(STANDING)
+    };
+    (0..arm.axes()).map(of_axis).fold(f64::INFINITY, f64::min)
+}
+
+/// Returns the highest rate, at most 1, on a span with the derivatives `most`, and the limit that binds.
+fn rate_within(
+    arm: &Arm,
+    bounds: &[Bounds; MAX_AXES],
+    most: &DerivativeBounds,
 ) -> (f64, Option<BindingLimit>) {
-    let most = curve.bounds(middle, middle);
     let mut rate = (1.0, None);
     for (axis, bounds) in bounds.iter().enumerate().take(arm.axes()) {
         let of_kind = [
@@ -234,6 +298,10 @@ impl TimeLaw {
         };
         if let Ok(plan) = plan {
             self.state = plan.axes()[0].state_at(period);
+        }
+        // Rounding may keep the law from standing exactly, and the arm would never count as resting.
+        if is_within(&difference(&self.state, &goal[0]), STOPPED) {
+            self.state = goal[0];
         }
     }
 }

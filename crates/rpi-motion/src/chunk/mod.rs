@@ -5,10 +5,11 @@
 //!
 //! - `curve` and `fit`: `c` is a quintic spline near the rows, smoothed by least squares: as little as the limits of the
 //!   axes demand, and never by more than a bound;
-//! - `law`: `s` is the time of the curve. It passes at the rate 1, more slowly where a limit of an axis binds, and stops at the
+//! - `law`: `s` is the time of the curve. It passes at the rate 1, more slowly where a limit of an axis binds, changes its rate no faster than the axes can follow, and stops at the
 //!   last row if no further chunk comes;
 //! - `entry` and `residual`: `r` is what the axis has at a takeover and the new curve does not have. It decays along a
 //!   polynomial whose duration is chosen such that the sum keeps the limits;
+//! - `feedback`: the jerk that leads an axis back to its curve where a limit kept it off;
 //! - `guard`: the jerk of each axis in each period is limited to the interval from which the axis can still brake within its
 //!   limits and its range. So no chunk, late, wrong or wild, leads to a set-point that breaks a limit.
 //!
@@ -21,6 +22,7 @@
 
 mod curve;
 mod entry;
+mod feedback;
 mod fit;
 mod guard;
 mod law;
@@ -87,7 +89,8 @@ pub enum ChunkError {
     Option,
     /// Fewer than 4 rows are left: the chunk is too old.
     Stale,
-    /// Too many rows of the previous chunks are still to be executed.
+    /// Too many rows of the previous chunks are still to be executed, or a chunk is appended to one that is in preparation and has
+    /// another period.
     Full,
 }
 

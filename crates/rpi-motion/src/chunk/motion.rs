@@ -1,7 +1,8 @@
 //! Motion of an arm along chunks: one set-point per cycle, whatever has or has not arrived.
 
-use super::curve::Curve;
+use super::curve::{Curve, DerivativeBounds};
 use super::entry::{self, on_curve};
+use super::feedback::{self, correction};
 use super::guard::Guard;
 use super::law::{BindingLimit, Rates, TimeLaw};
 use super::pending::Pending;
@@ -10,7 +11,6 @@ use super::rows::{ChunkRows, InForce, RowTimes};
 use super::state::{difference, is_within, rests};
 use super::{ChunkError, ChunkOptions};
 use crate::node::{USED_JERK_SHARE, USED_SHARE};
-use crate::online::{AxisLimits, MotionOptions, OnlineMotion};
 use crate::ranges::{Ranges, allowed_ranges};
 use crate::{Arm, Controls, JointState, MotionError};
 use rpi_kin::MAX_AXES;
@@ -22,24 +22,15 @@ const PLANNED: f64 = 0.97;
 /// Distance that a curve keeps from the ends of the ranges of the axes, rad.
 const CURVE_MARGIN: f64 = 1e-3;
 
-/// Smallest share of the bounds with which an axis that deviates is led back to its curve.
-const LEAST_LEFT: f64 = 0.2;
-
 /// Deviation from which on the time of the curve passes more slowly, and the deviation at which its rate is the least, rad.
 const SLOWING: (f64, f64) = (0.02, 0.2);
 
 /// Least rate of the time of the curve while an axis deviates.
 const LEAST_RATE: f64 = 0.05;
 
-/// Deviations of position (rad), velocity (rad/s) and acceleration (rad/s²) up to which a linear feedback corrects them.
-const LINEAR: [f64; 3] = [1e-6, 1e-4, 1e-2];
-
 /// Differences of position (rad), velocity (rad/s) and acceleration (rad/s²) from a state of rest that end at once. The change
 /// of the jerk is far below every limit.
 const RESTING: [f64; 3] = [1e-11, 1e-9, 1e-6];
-
-/// Rate of the linear feedback as a share of the rate of the set-points.
-const FEEDBACK: f64 = 0.1;
 
 /// Set-point of a [`ChunkMotion`].
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -70,8 +61,6 @@ pub struct ChunkMotion {
     period: f64,
     /// Bounds of velocity, acceleration and jerk of each axis with which motions are planned: rad/s, rad/s², rad/s³.
     bounds: [Bounds; MAX_AXES],
-    /// Bounds left for an axis that is led back to its curve.
-    left: [Bounds; MAX_AXES],
     guards: [Guard; MAX_AXES],
     /// Ranges that the curve keeps, rad.
     ranges: Ranges,
@@ -109,7 +98,6 @@ impl ChunkMotion {
             arm,
             period,
             bounds: [nothing; MAX_AXES],
-            left: [nothing; MAX_AXES],
             now: 0.0,
             curve: Curve::empty(),
             rates: Rates::empty(),
@@ -172,8 +160,8 @@ impl ChunkMotion {
         }
     }
 
-    /// Gives the next chunk. It comes into force within a few cycles, when it has been smoothed; a chunk that is still in
-    /// preparation is dropped.
+    /// Gives the next chunk. It comes into force within a few cycles, when it has been smoothed. It replaces a chunk that is
+    /// still in preparation, or is appended to it.
     ///
     /// # Errors
     /// A [`ChunkError`]; the chunk is then ignored.
@@ -252,16 +240,6 @@ impl ChunkMotion {
             self.law.state.velocity = self.entry_rate(share);
         }
         let law = self.law.state;
-        let most = self.curve.bounds(law.position, self.curve.end());
-        self.left = core::array::from_fn(|axis| {
-            let bounds = self.bounds[axis];
-            let left = |bound: f64, used: f64| (bound - used).max(LEAST_LEFT * bound);
-            Bounds {
-                speed: left(bounds.speed, most.first[axis]),
-                acceleration: left(bounds.acceleration, most.second[axis]),
-                jerk: left(bounds.jerk, most.third[axis]),
-            }
-        });
         self.residuals = entry::plan(&self.arm, &self.bounds, &self.curve, &law, &self.state);
         self.since_entry = 0.0;
         self.reference = self.reference_now();
@@ -315,18 +293,24 @@ impl ChunkMotion {
         let ahead = self.law.stop_length(1.0).max(self.curve.period());
         let (allowed, limit) = self.rates.between(&self.curve, at, at + ahead);
         self.limit = limit;
-        let rate = share * allowed.min(self.rate_by_deviation());
+        let errors: [AxisState; MAX_AXES] =
+            core::array::from_fn(|axis| difference(&self.state[axis], &self.reference[axis]));
+        let rate = share * allowed.min(self.rate_by_deviation(&errors));
+        let rate = self
+            .rates
+            .followed(&self.curve, &self.law.state, rate, self.period);
         self.law.advance(rate, end, self.period);
         self.is_late = end - at <= self.law.stop_length(rate) + self.period;
         self.since_entry += self.period;
-        let errors: [AxisState; MAX_AXES] =
-            core::array::from_fn(|axis| difference(&self.state[axis], &self.reference[axis]));
         let reference = self.reference_now();
         let before = core::mem::replace(&mut self.reference, reference);
+        let used = self.used_ahead(&errors, at, ahead);
         let mut next = self.state;
         for axis in 0..self.arm.axes() {
             let change = reference[axis].acceleration - before[axis].acceleration;
-            let jerk = change / self.period + self.correction(axis, errors[axis]);
+            let used = [used.first[axis], used.second[axis], used.third[axis]];
+            let correction = correction(&self.bounds[axis], used, errors[axis], self.period);
+            let jerk = change / self.period + correction;
             let (state, limit) = self.guards[axis].next(self.state[axis], jerk);
             next[axis] = state;
             self.limit = limit.map(|kind| (axis, kind)).or(self.limit);
@@ -340,35 +324,36 @@ impl ChunkMotion {
     }
 
     /// Returns the rate of the time of the curve that the deviations of the axes allow: a curve that waits leaves them more of
-    /// their limits to come back to it.
-    fn rate_by_deviation(&self) -> f64 {
+    /// their limits to come back to it. A deviation includes the distance in which its velocity can be braked: the curve goes on
+    /// with an axis that moves with it, not with one that rushes by.
+    fn rate_by_deviation(&self, errors: &[AxisState; MAX_AXES]) -> f64 {
         let axes = 0..self.arm.axes();
         let most = axes
-            .map(|axis| (self.state[axis].position - self.reference[axis].position).abs())
+            .map(|axis| feedback::reach(&self.bounds[axis], &errors[axis]))
             .fold(0.0, f64::max);
         (1.0 - (most - SLOWING.0) / (SLOWING.1 - SLOWING.0)).clamp(LEAST_RATE, 1.0)
     }
 
-    /// Returns the jerk (rad/s³), beside that of curve and decay, that leads an axis with this difference back to them.
-    fn correction(&self, axis: usize, error: AxisState) -> f64 {
-        if is_within(&error, LINEAR) {
-            let rate = FEEDBACK / self.period;
-            let AxisState {
-                position,
-                velocity,
-                acceleration,
-            } = error;
-            return -rate * (rate * (rate * position + 3.0 * velocity) + 3.0 * acceleration);
+    /// Returns bounds of the derivatives of the curve with respect to real time within `ahead` seconds after its time `at`. The rate
+    /// of its time counts: a curve that waits for an axis leaves it nearly all of its limits. With less, the axis could gain a
+    /// velocity, such as at the end of its range, that its way back to the curve could not brake. Zeros if no difference in
+    /// `errors` needs them.
+    fn used_ahead(&self, errors: &[AxisState; MAX_AXES], at: f64, ahead: f64) -> DerivativeBounds {
+        let axes = 0..self.arm.axes();
+        if axes
+            .clone()
+            .all(|axis| is_within(&errors[axis], feedback::LINEAR))
+        {
+            return DerivativeBounds::default();
         }
-        let limits = [AxisLimits::from(self.left[axis])];
-        let rest = [AxisState::default()];
-        match OnlineMotion::to_position(&[error], &rest, &limits, MotionOptions::default()) {
-            Ok(plan) => {
-                let next = plan.axes()[0].state_at(self.period);
-                (next.acceleration - error.acceleration) / self.period
-            }
-            Err(_) => 0.0,
+        let mut used = self.curve.bounds(at, at + ahead);
+        let rate = self.law.state.velocity.clamp(0.0, 1.0);
+        for axis in axes {
+            used.first[axis] *= rate;
+            used.second[axis] *= rate * rate;
+            used.third[axis] *= rate * rate * rate;
         }
+        used
     }
 
     fn set_point(&self) -> ChunkSetPoint {

@@ -3,7 +3,7 @@
 use super::curve::Curve;
 use super::fit::{Fit, Rows};
 use super::law::{RateBounds, Rates, TimeLaw};
-use super::rows::{ChunkRows, InForce, RowTimes, combine};
+use super::rows::{ChunkRows, InForce, RowTimes, combine, extend};
 use super::{ChunkError, ChunkOptions, Seam};
 use crate::Arm;
 use crate::ranges::Ranges;
@@ -81,7 +81,7 @@ impl Pending {
         self.stage == Stage::Ready
     }
 
-    /// Accepts a chunk; it replaces one in preparation.
+    /// Accepts a chunk. It replaces one in preparation, unless it is appended to it. An error leaves one in preparation as it is.
     pub(super) fn accept(
         &mut self,
         in_force: &InForce<'_>,
@@ -96,8 +96,9 @@ impl Pending {
         if !is_valid {
             return Err(ChunkError::Option);
         }
-        // An error leaves nothing in preparation: the rows of a chunk in preparation are overwritten.
-        self.stage = Stage::Idle;
+        if options.seam == Seam::Append && !self.is_idle() {
+            return self.append(chunk, (count, in_force.axes), options, ranges);
+        }
         let is_appended = options.seam == Seam::Append && !in_force.curve.is_empty();
         let times = RowTimes {
             zero: match is_appended {
@@ -109,6 +110,27 @@ impl Pending {
         };
         self.outside = combine(in_force, chunk, &times, options, ranges, &mut self.rows)?;
         (self.is_appended, self.times) = (is_appended, times);
+        self.most = options.smoothing;
+        self.stage = Stage::Trying(0);
+        Ok(())
+    }
+
+    /// Appends a chunk with these numbers of rows and axes to the one in preparation, and begins to prepare both.
+    fn append(
+        &mut self,
+        chunk: &ChunkRows<'_>,
+        (count, axes): (usize, usize),
+        options: &ChunkOptions,
+        ranges: &Ranges,
+    ) -> Result<(), ChunkError> {
+        let rows = self.rows.positions.len();
+        let outside = extend(&mut self.rows, chunk, (count, axes), ranges)?;
+        self.outside = self.outside.max(outside);
+        self.times = RowTimes {
+            zero: self.rows.start + rows as f64 * self.rows.period,
+            period: chunk.period,
+            count,
+        };
         self.most = options.smoothing;
         self.stage = Stage::Trying(0);
         Ok(())

@@ -139,16 +139,47 @@ pub(super) fn combine(
             true => None,
             false => old_row(in_force.curve, zero + number * period),
         };
-        let (position, velocity) = mixed(in_force.axes, chunk, row, old, options);
-        let mut inside = position;
-        for (joint, range) in inside.iter_mut().zip(ranges) {
-            let kept = joint.max(range.lower).min(range.upper);
-            outside = outside.max((kept - *joint).abs());
-            *joint = kept;
-        }
-        rows.push(inside, velocity);
+        let (mut position, velocity) = mixed(in_force.axes, chunk, row, old, options);
+        outside = outside.max(keep_inside(&mut position, ranges));
+        rows.push(position, velocity);
     }
     Ok(outside)
+}
+
+/// Adds the rows of an appended chunk with `count` rows to `rows`, which are still in preparation, within `ranges` (rad). Returns
+/// the largest distance of a new row from the ranges, rad.
+///
+/// # Errors
+/// [`ChunkError::Full`] if there are too many rows, or if their period is another one; nothing is added then.
+pub(super) fn extend(
+    rows: &mut Rows,
+    chunk: &ChunkRows<'_>,
+    (count, axes): (usize, usize),
+    ranges: &Ranges,
+) -> Result<f64, ChunkError> {
+    let is_same_period = (chunk.period - rows.period).abs() < 1e-9;
+    if !is_same_period || rows.positions.len() + count > MAX_CURVE_ROWS {
+        return Err(ChunkError::Full);
+    }
+    let mut outside = 0.0f64;
+    for row in 0..count {
+        let mut position = chunk.joints(chunk.positions, row, axes);
+        outside = outside.max(keep_inside(&mut position, ranges));
+        let velocity = chunk.velocities.map(|all| chunk.joints(all, row, axes));
+        rows.push(position, velocity);
+    }
+    Ok(outside)
+}
+
+/// Moves joint positions into `ranges` (rad). Returns the largest change, rad.
+fn keep_inside(joints: &mut Joints, ranges: &Ranges) -> f64 {
+    let mut outside = 0.0f64;
+    for (joint, range) in joints.iter_mut().zip(ranges) {
+        let kept = joint.max(range.lower).min(range.upper);
+        outside = outside.max((kept - *joint).abs());
+        *joint = kept;
+    }
+    outside
 }
 
 /// Returns the row of the previous curve at a time (s); `None` if it has none there.

@@ -9,7 +9,7 @@ pub enum Landmark {
     Start,
     /// End of the path.
     End,
-    /// Point of a spline with this index, from 0 for the first one behind the start; on a path with rounded corners, the
+    /// Point of a spline with this index, from 0 for the first one that the program gave; on a path with rounded corners, the
     /// middle of the corner with this index, which is the place nearest to the corner.
     Point(usize),
     /// Place at which the rounded corner with this index begins, from 0.
@@ -43,6 +43,15 @@ impl ToolPath {
         Some((*start, start + piece.length()))
     }
 
+    /// Counts `count` points that a program gave for a spline and that are at its start: they have the first indices.
+    #[must_use]
+    pub fn with_points_at_start(self, count: usize) -> Self {
+        Self {
+            points_at_start: count,
+            ..self
+        }
+    }
+
     /// Returns the place of the point with the index `k`, m. The last point of a spline is the end of the path.
     fn point(&self, k: usize) -> Option<f64> {
         if !self.has_spline() {
@@ -50,6 +59,9 @@ impl ToolPath {
                 .corner(k)
                 .map(|(entry, exit)| f64::midpoint(entry, exit));
         }
+        let Some(k) = k.checked_sub(self.points_at_start) else {
+            return Some(0.0);
+        };
         match (k + 1).cmp(&self.count) {
             core::cmp::Ordering::Less => Some(self.starts[k + 1]),
             core::cmp::Ordering::Equal => Some(self.length),
@@ -93,5 +105,10 @@ mod tests {
             assert!(off.norm() < 1e-9, "{k}: {off}");
         }
         assert_eq!(Path::Tool(path).landmark(Landmark::Point(3)), None);
+        // The tool was at the first point of the program: it has the index 0, and the next one the index 1.
+        let path = Path::Tool(path.with_points_at_start(1));
+        assert_eq!(path.landmark(Landmark::Point(0)), Some(0.0));
+        assert_eq!(path.landmark(Landmark::Point(3)), Some(path.length()));
+        assert_eq!(path.landmark(Landmark::Point(4)), None);
     }
 }

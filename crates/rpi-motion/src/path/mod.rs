@@ -66,6 +66,8 @@ pub struct ToolPath {
     starts: [f64; MAX_PIECES],
     count: usize,
     length: f64,
+    /// Number of points of a spline that are at its start: they name it, but begin no piece.
+    points_at_start: usize,
 }
 
 /// Curvature at a point of a path, with the third derivative of the path across its direction.
@@ -175,6 +177,7 @@ impl ToolPath {
             starts: [0.0; MAX_PIECES],
             count: 0,
             length: 0.0,
+            points_at_start: 0,
         }
     }
 

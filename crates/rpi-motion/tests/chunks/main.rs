@@ -5,6 +5,7 @@
 
 mod policy;
 mod session;
+mod single;
 #[path = "../takeovers/watch.rs"]
 mod watch;
 #[path = "../support/xorshift.rs"]

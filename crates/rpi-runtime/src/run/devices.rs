@@ -94,6 +94,7 @@ pub(super) fn sample(
 
 /// Returns the final states of the devices, with the problems that they have reported.
 pub(super) fn device_ends(bank: &mut SimBank) -> Vec<DeviceEnd> {
+    bank.finish();
     let mut ends: Vec<DeviceEnd> = bank
         .status()
         .map(|status| DeviceEnd {

@@ -122,8 +122,7 @@ impl Chunks {
                 let poses = slots
                     .get(..count * POSE_SLOTS)
                     .ok_or(ErrorCode::CHUNK_INVALID)?;
-                self.poses.accept(heading, poses, arm, &self.at);
-                Ok(())
+                self.poses.accept(heading, poses, arm, &self.at)
             }
         }
     }
@@ -147,6 +146,10 @@ impl Chunks {
 
     /// Converts the next poses of a chunk, `elapsed` seconds after the last ones.
     fn convert(&mut self, arm: &Arm, elapsed: f64) -> Result<(), ErrorCode> {
+        if self.poses.begins() {
+            // Whether this chunk is accepted is known some cycles later.
+            self.rejected = ErrorCode::OK;
+        }
         match self.poses.advance(arm, elapsed, &mut self.positions)? {
             Some(heading) => self.take(&heading, false),
             None => Ok(()),

@@ -53,6 +53,10 @@ impl<C: ArmController> CellDevice for DrivenArm<C> {
     fn limit_usage(&self, each: &mut dyn FnMut(AxisUsage<'_>)) {
         self.arm.limit_usage(each);
     }
+
+    fn finish(&mut self) {
+        CellDevice::finish(&mut self.arm);
+    }
 }
 
 impl<C: ArmController> Device for DrivenArm<C> {

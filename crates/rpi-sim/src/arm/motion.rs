@@ -18,7 +18,9 @@ use crate::error_code::ErrorCode;
 pub(super) use call::RESULT_SLOTS;
 use call::Request;
 use events::PathEvents;
-pub(super) use events::{EVENT_SLOTS, call_path_event, report_events_of_ended_motion};
+pub(super) use events::{
+    EVENT_SLOTS, call_path_event, report_events_of_ended_motion, report_missed_events,
+};
 use rpi_kin::state_to_rest::Bounds;
 use rpi_kin::{ArmModel, AxisLimits, MAX_AXES, Pose};
 use rpi_motion::PathError;

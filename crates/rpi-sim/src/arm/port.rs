@@ -2,7 +2,7 @@
 
 use super::limit_usage::AxisUsage;
 use super::limits::{AxisState, Violation};
-use super::motion::call_path_event;
+use super::motion::{call_path_event, report_missed_events};
 use super::port_table::{PORTS, PortAction, PortRow, Target};
 use super::{Arm, parameters};
 use crate::bank::CellDevice;
@@ -309,6 +309,10 @@ impl CellDevice for Arm {
     fn inject(&mut self, fault: ScheduledFault) -> bool {
         Self::inject(self, fault);
         true
+    }
+
+    fn finish(&mut self) {
+        report_missed_events(self);
     }
 
     fn limit_usage(&self, each: &mut dyn FnMut(AxisUsage<'_>)) {

@@ -331,6 +331,9 @@ pub(super) const PORTS: &[PortRow] = &[
     }),
     sensor("pose", POSE, |arm, _, out| out.put_pose(&arm.pose())),
     sensor("twist", TWIST, commanded_twist),
+    sensor("moving", BOOL, |arm, _, out| {
+        out.put_bits(u64::from(arm.is_moving()))
+    }),
     sensor("measured", POSE, measured_pose),
     sensor("measured_twist", TWIST, measured_twist),
     sensor("singularity_distance", REAL, |arm, _, out| {

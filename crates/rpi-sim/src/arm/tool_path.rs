@@ -105,13 +105,14 @@ fn corner(start: &Pose, target: &[u64]) -> Result<Path, ErrorCode> {
 }
 
 /// Returns the spline from `start` through the poses of the target, given as slots. A first pose equal to `start` is
-/// left out.
+/// left out, but counts as a point of the path.
 fn spline(start: &Pose, target: &[u64]) -> Result<Path, ErrorCode> {
     let mut points = [*start; MAX_POINTS];
-    let mut count = 1;
+    let (mut count, mut at_start) = (1, 0);
     for slots in target.chunks(POSE) {
         let point = pose_from(slots);
         if count == 1 && is_at(start, &point) {
+            at_start += 1;
             continue;
         }
         *points.get_mut(count).ok_or(ErrorCode::TOO_MANY_POINTS)? = point;
@@ -126,7 +127,7 @@ fn spline(start: &Pose, target: &[u64]) -> Result<Path, ErrorCode> {
         SplineError::Reversal(_) => ErrorCode::REVERSAL,
         SplineError::TurningDecides(_) => ErrorCode::TURNING_DECIDES,
     });
-    path.map(Path::Tool)
+    path.map(|path| Path::Tool(path.with_points_at_start(at_start)))
 }
 
 /// Returns true if two poses are equal, apart from rounding.

@@ -55,6 +55,7 @@ pub(crate) type EffortBudget = Cell<u32>;
 pub(crate) struct Facts<'a> {
     background: ProofContext<'a>,
     known: BTreeMap<PortRef, ValueSet>,
+    /// Fragments that are active because their conditions hold; see `is_active` for the others.
     active: BTreeSet<FragmentId>,
     queue: BTreeSet<NodeId>,
     effort: &'a EffortBudget,
@@ -256,6 +257,21 @@ impl<'a> Facts<'a> {
         gates
     }
 
+    /// Returns whether a fragment is known to be active. A fragment without a condition, such as that of a call, is active
+    /// with the one around it.
+    fn is_active(&self, id: FragmentId) -> bool {
+        let ProofContext { net, presences, .. } = self.background;
+        for fragment in net.ancestors(id) {
+            if self.active.contains(&fragment) {
+                return true;
+            }
+            if presences.activity(fragment) != FlowPresence::Total {
+                return false;
+            }
+        }
+        true
+    }
+
     fn narrow(&mut self, port: PortRef, allowed: ValueSet) -> FactResult {
         let before = self.possible_values(port);
         let after = before.intersection(allowed);
@@ -291,7 +307,7 @@ impl<'a> Facts<'a> {
     fn revise(&mut self, id: NodeId) -> FactResult {
         let node = self.background.net.node(id);
         let is_state = matches!(node.desc().role, Role::Delay | Role::Constant);
-        if is_state || !self.active.contains(&node.fragment) || node.outputs.is_empty() {
+        if is_state || !self.is_active(node.fragment) || node.outputs.is_empty() {
             return Ok(());
         }
         let seen: Vec<ValueSet> = node

@@ -1,4 +1,5 @@
-//! Inference of array sizes: a size without a static argument follows from the types of the arguments, arrays or devices.
+//! Inference of array sizes: a size without a static argument follows from the types of the arguments, arrays or devices, in
+//! calls of nodes and fragments and in steps that run commands.
 
 use crate::check::bodies::body::Body;
 use crate::check::calls::args::CallArgument;
@@ -13,7 +14,7 @@ use crate::ty::{DeviceTy, Ty};
 use rpi_image::Value;
 use rpi_syntax::Name;
 use rpi_syntax::ast::{
-    ExprKind, Ident, NamedType, Signature, StaticValue, Type, TypeKind, VarDecl,
+    ExprKind, Ident, NamedType, Signature, StaticParam, StaticValue, Type, TypeKind, VarDecl,
 };
 
 /// Adds to `statics` the values of the size parameters of `id` without an argument that follow from the type of an
@@ -24,19 +25,20 @@ pub(crate) fn infer_size_params<'a>(
     given: &[CallArgument<'a>],
     statics: &mut StaticBindings,
 ) -> bool {
-    let Some(signature) = check_signature(cx.checker, id).filter(|_| unit::reads_rpi_syntax(cx))
+    let Some((statics_declared, ports)) =
+        signature_of(cx.checker, id).filter(|_| unit::reads_rpi_syntax(cx))
     else {
         return true;
     };
     let mut known = true;
-    for param in static_params(&signature.statics) {
+    for param in static_params(statics_declared) {
         let StaticParamDecl::Value(name, _) = param else {
             continue;
         };
         if statics.contains_key(&name.name) || given.iter().any(|arg| is_named(arg, &name.name)) {
             continue;
         }
-        match infer_size(cx, signature, &name.name, given) {
+        match infer_size(cx, ports, &name.name, given) {
             InferredSize::Size(size) => {
                 let constant = Constant {
                     ty: Ty::Int,
@@ -53,12 +55,13 @@ pub(crate) fn infer_size_params<'a>(
 
 fn infer_size<'a>(
     cx: &Body<'_, 'a>,
-    signature: &'a Signature,
+    ports: &'a [VarDecl],
     name: &Name,
     given: &[CallArgument<'a>],
 ) -> InferredSize {
-    let ports = signature.inputs.iter().flatten();
-    let ports = ports.flat_map(|port: &VarDecl| port.names.iter().map(move |n| (n, &port.ty)));
+    let ports = ports
+        .iter()
+        .flat_map(|port| port.names.iter().map(move |n| (n, &port.ty)));
     let mut by_place = given.iter().filter(|arg| arg.name.is_none());
     let mut size = InferredSize::Undetermined;
     for (port, ty) in ports {
@@ -75,10 +78,17 @@ fn infer_size<'a>(
     size
 }
 
-fn check_signature<'a>(checker: &Checker<'a>, id: DeclId) -> Option<&'a Signature> {
+/// Returns the static parameters of a node, fragment or command, and the ports or parameters to which a call or a step passes
+/// arguments. `None` for other declarations.
+fn signature_of<'a>(
+    checker: &Checker<'a>,
+    id: DeclId,
+) -> Option<(&'a [StaticParam], &'a [VarDecl])> {
+    let ports = |signature: &'a Signature| signature.inputs.as_deref().unwrap_or_default();
     match checker.program.decl(id).kind {
-        DeclKind::Node(decl) => Some(&decl.signature),
-        DeclKind::Fragment(decl) => Some(&decl.signature),
+        DeclKind::Node(decl) => Some((&decl.signature.statics, ports(&decl.signature))),
+        DeclKind::Fragment(decl) => Some((&decl.signature.statics, ports(&decl.signature))),
+        DeclKind::Command(decl) => Some((&decl.statics, &decl.params)),
         _ => None,
     }
 }

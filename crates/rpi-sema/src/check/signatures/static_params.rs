@@ -78,7 +78,7 @@ pub(crate) fn in_port_names<'a>(
     in_port_idents(checker, id).map(|name| &name.name)
 }
 
-/// Returns the names of the in-ports of a callable declaration, with their locations.
+/// Returns the names of the in-ports of a callable declaration, or of the parameters of a command, with their locations.
 pub(crate) fn in_port_idents<'a>(
     checker: &Checker<'a>,
     id: DeclId,
@@ -87,6 +87,7 @@ pub(crate) fn in_port_idents<'a>(
         DeclKind::Node(d) => d.signature.inputs.as_deref().unwrap_or(&[]),
         DeclKind::Fragment(d) => d.signature.inputs.as_deref().unwrap_or(&[]),
         DeclKind::Primitive(d) => d.signature.inputs.as_deref().unwrap_or(&[]),
+        DeclKind::Command(d) => &d.params,
         _ => &[],
     };
     inputs.iter().flat_map(|port| &port.names)

@@ -4,7 +4,7 @@ use crate::arm::path_fault::PathFault;
 use crate::device::pose_from;
 use crate::error_code::ErrorCode;
 use rpi_kin::Pose;
-use rpi_motion::chunk::{ChunkOptions, MAX_ROWS};
+use rpi_motion::chunk::{ChunkOptions, MAX_ROWS, Seam};
 use rpi_motion::{Arm, Joints};
 
 /// Number of rows that are converted in a cycle: they take less time than planning a motion along a path does.
@@ -35,6 +35,9 @@ pub(super) struct PoseRows {
     /// Joint positions (rad) of the last converted row, and the arm angle there (rad).
     near: Joints,
     arm_angle: f64,
+    /// Chunk that is appended to the one in conversion, and waits for it.
+    next: Option<Heading>,
+    next_poses: Vec<Pose>,
 }
 
 impl PoseRows {
@@ -45,12 +48,14 @@ impl PoseRows {
             converted: 0,
             near: Joints::default(),
             arm_angle: 0.0,
+            next: None,
+            next_poses: Vec::with_capacity(MAX_ROWS),
         }
     }
 
-    /// Drops the chunk in conversion.
+    /// Drops the chunks in conversion.
     pub(super) fn clear(&mut self) {
-        self.heading = None;
+        (self.heading, self.next) = (None, None);
     }
 
     /// Returns true while a chunk is in conversion.
@@ -58,17 +63,53 @@ impl PoseRows {
         self.heading.is_some()
     }
 
+    /// Returns true if the next rows to be converted are the first ones of a chunk.
+    pub(super) fn begins(&self) -> bool {
+        self.is_busy() && self.converted == 0
+    }
+
     /// Begins to convert a chunk with the poses in `slots`, from the joint positions `near` (rad) on; it replaces one in
-    /// conversion.
-    pub(super) fn accept(&mut self, heading: Heading, slots: &[u64], arm: &Arm, near: &Joints) {
-        let (poses, _) = slots.as_chunks::<POSE_SLOTS>();
-        self.poses.clear();
-        self.poses
-            .extend(poses.iter().take(MAX_ROWS).map(|pose| pose_from(pose)));
-        self.heading = Some(heading);
+    /// conversion. A chunk that is appended waits for it instead.
+    ///
+    /// # Errors
+    /// [`ErrorCode::CHUNK_FULL`] if a chunk waits already.
+    pub(super) fn accept(
+        &mut self,
+        heading: Heading,
+        slots: &[u64],
+        arm: &Arm,
+        near: &Joints,
+    ) -> Result<(), ErrorCode> {
+        let is_appended = self.is_busy() && heading.options.seam == Seam::Append;
+        if is_appended && self.next.is_some() {
+            return Err(ErrorCode::CHUNK_FULL);
+        }
+        let poses = match is_appended {
+            true => &mut self.next_poses,
+            false => &mut self.poses,
+        };
+        let (slots, _) = slots.as_chunks::<POSE_SLOTS>();
+        poses.clear();
+        poses.extend(slots.iter().take(MAX_ROWS).map(|pose| pose_from(pose)));
+        if is_appended {
+            self.next = Some(heading);
+            return Ok(());
+        }
+        (self.heading, self.next) = (Some(heading), None);
         self.converted = 0;
         self.near = *near;
         self.arm_angle = arm.arm_angle(near).unwrap_or(0.0);
+        Ok(())
+    }
+
+    /// Ends the conversion of a chunk and begins that of the one that waits for it. Returns the heading of the former.
+    fn finish(&mut self) -> Option<Heading> {
+        let done = core::mem::replace(&mut self.heading, self.next.take());
+        if self.heading.is_some() {
+            core::mem::swap(&mut self.poses, &mut self.next_poses);
+            self.converted = 0;
+        }
+        done
     }
 
     /// Converts the next rows and appends their joint positions (rad), row by row, to `positions`. `elapsed` (s) is the time
@@ -92,17 +133,20 @@ impl PoseRows {
         let end = (self.converted + ROWS_PER_CYCLE).min(self.poses.len());
         for pose in &self.poses[self.converted..end] {
             let found = arm.inverse(pose, &self.near, self.arm_angle);
-            let (joints, turned) = found.map_err(|error| {
-                self.heading = None;
-                PathFault::from(error).violation.code
-            })?;
+            let (joints, turned) = match found {
+                Ok(found) => found,
+                Err(error) => {
+                    self.finish();
+                    return Err(PathFault::from(error).violation.code);
+                }
+            };
             self.near = joints;
             self.arm_angle += turned;
             positions.extend(&joints[..arm.axes()]);
         }
         self.converted = end;
         match end == self.poses.len() {
-            true => Ok(self.heading.take()),
+            true => Ok(self.finish()),
             false => Ok(None),
         }
     }

@@ -188,9 +188,9 @@ fn path_event(arm: &mut Arm, request: &EventRequest) -> (bool, f64, ErrorCode) {
     (place <= now, time, ErrorCode::OK)
 }
 
-/// Reports the pending events of the present motion as missed, because it ends or another motion takes over. The value
+/// Reports the pending events of the present motion as missed, because it or the run ends, or another motion takes over. The value
 /// of a report is the place of the event, its limit the place that the motion has reached.
-pub(super) fn report_missed_events(arm: &mut Arm) {
+pub(in crate::arm) fn report_missed_events(arm: &mut Arm) {
     let (pending, count) = arm.motion.events.take_pending();
     let limit = arm.motion.events.now;
     let code = ErrorCode::EVENT_MISSED;
