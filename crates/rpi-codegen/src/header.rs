@@ -2,6 +2,7 @@
 
 use crate::c_type::CType;
 use crate::devices::function_name;
+use crate::external::{declaration, external_functions};
 use crate::identifiers::identifier;
 use crate::ports::Direction;
 use crate::slots::Region;
@@ -29,7 +30,8 @@ fn write_declarations(emitter: &Emitter<'_>, out: &mut String) -> std::fmt::Resu
     results(emitter, out)?;
     writeln!(out, "/* Values that the caller sets before each cycle. */")?;
     let mut fields = field_lines(emitter, Direction::Input);
-    if !emitter.image.functions.is_empty() {
+    let mut called = emitter.image.functions.iter();
+    if called.any(|f| f.external.is_none()) {
         fields.push((
             "void *device".to_owned(),
             "first argument of the device functions".to_owned(),
@@ -140,7 +142,11 @@ pub(crate) fn counts_cycles(emitter: &Emitter<'_>) -> bool {
 fn functions(emitter: &Emitter<'_>, out: &mut String) -> std::fmt::Result {
     let name = emitter.options.name;
     writeln!(out, "#ifdef __cplusplus\nextern \"C\" {{\n#endif")?;
-    for (k, function) in (0..).zip(&emitter.image.functions) {
+    for (_, external) in external_functions(emitter.image).values() {
+        declaration(external, out)?;
+    }
+    let device = (0..).zip(&emitter.image.functions);
+    for (k, function) in device.filter(|(_, f)| f.external.is_none()) {
         let port = &function.port;
         writeln!(
             out,

@@ -52,11 +52,29 @@ pub(crate) fn write(mut emitter: Emitter<'_>) -> Emitted {
     };
     let prelude = include_str!("prelude.c");
     let source = format!("{own}{prelude}{parameters}{support}{functions}{tables}{body}");
+    let source = with_discarded_results(&source);
     Emitted {
         header,
         source,
         interface: emitter.interface.clone(),
     }
+}
+
+/// Marks the unused results of `memcpy` and `memset` as such (MISRA C:2012, rule 17.7).
+fn with_discarded_results(text: &str) -> String {
+    let mut out = String::with_capacity(text.len());
+    for line in text.lines() {
+        let statement = line.trim_start();
+        if ["memcpy(", "memset("].iter().any(|call| statement.starts_with(call)) {
+            out.push_str(&line[..line.len() - statement.len()]);
+            out.push_str("(void)");
+            out.push_str(statement);
+        } else {
+            out.push_str(line);
+        }
+        out.push('\n');
+    }
+    out
 }
 
 fn comment(emitter: &Emitter<'_>) -> String {
@@ -329,7 +347,7 @@ fn tail(emitter: &Emitter<'_>) -> String {
     }
     if emitter.places.is_empty() {
         out +=
-            "  memset(&out->fault, 0, sizeof out->fault);\n  (void)cx;\n  return RPI_NO_FAULT;\n";
+            "  memset(&out->fault, 0, sizeof out->fault);\n  (void)cx;\n  return 0;\n";
         return out;
     }
     let discard: String = set_points(emitter)
@@ -338,7 +356,7 @@ fn tail(emitter: &Emitter<'_>) -> String {
         .collect();
     out += "  memset(&out->fault, 0, sizeof out->fault);\n";
     out += &format!(
-        "  if (cx->fault != RPI_NO_FAULT) {{\n    out->fault = rpi_places[cx->place];\n    out->fault.code = cx->fault;\n{discard}  }}\n  return cx->fault;\n"
+        "  if (cx->fault != 0) {{\n    out->fault = rpi_places[cx->place];\n    out->fault.code = cx->fault;\n{discard}  }}\n  return cx->fault;\n"
     );
     out
 }

@@ -437,6 +437,7 @@ fn item() -> impl Strategy<Value = Item> {
             contract: None,
             definition: NodeDef::Body(body),
             external_form: ExternalForm::NoBody,
+            c_name: None,
         });
     node.prop_map(|node| Item::from(ItemKind::Node(Box::new(node))))
 }
