@@ -6,7 +6,9 @@
 use super::compiler::{CBinary, CCompiler, CTargetError};
 use super::process::{error, line, word};
 use rpi_codegen::{external_functions, external_host};
-use rpi_device::{DeviceBank, Discontinuity, NoDevices, PortId, PortKind, PortQuery, Rejection, ResolveError};
+use rpi_device::{
+    DeviceBank, Discontinuity, NoDevices, PortId, PortKind, PortQuery, Rejection, ResolveError,
+};
 use rpi_image::Image;
 use rpi_image::external::EXTERNAL_DEVICE;
 use std::cell::RefCell;
@@ -133,12 +135,18 @@ impl ExternalBank<NoDevices> {
 
 impl<B: DeviceBank> DeviceBank for ExternalBank<B> {
     fn resolve(&mut self, name: &PortQuery<'_>) -> Result<PortId, ResolveError> {
-        let Some(process) = self.process.as_ref().filter(|_| name.device == EXTERNAL_DEVICE) else {
+        let Some(process) = self
+            .process
+            .as_ref()
+            .filter(|_| name.device == EXTERNAL_DEVICE)
+        else {
             return self.devices.resolve(name);
         };
         let is_function = name.kind == PortKind::Function;
         let found = process.symbols.iter().position(|s| s == name.port);
-        let found = found.filter(|_| is_function).ok_or(ResolveError::UnknownPort)?;
+        let found = found
+            .filter(|_| is_function)
+            .ok_or(ResolveError::UnknownPort)?;
         u32::try_from(found)
             .map(|k| PortId(FIRST_PORT + k))
             .map_err(|_| ResolveError::UnknownPort)

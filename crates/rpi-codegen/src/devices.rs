@@ -115,7 +115,9 @@ impl Emitter<'_> {
         match self.word(slot) {
             (text, CType::Real) => format!("arguments[{k}].real = {text};"),
             (text, CType::Word) => format!("arguments[{k}].real = rpi_real({text});"),
-            (text, CType::Bool) => format!("arguments[{k}].integer = {text} ? 1 : 0;"),
+            (text, CType::Bool) => {
+                format!("arguments[{k}].integer = {text} ? INT64_C(1) : INT64_C(0);")
+            }
             (text, CType::Int) => format!("arguments[{k}].integer = {text};"),
         }
     }

@@ -174,30 +174,41 @@ pub(crate) fn remote_definition(external: &ExternalFunction, number: u32) -> Str
         arguments.max(1),
         results.max(1)
     );
-    for port in one_array(&external.inputs) {
+    body += &sent_arguments(&external.inputs);
+    body +=
+        &format!("  (void)driver_call({number}, arguments, {arguments}, results, {results});\n");
+    body += &received_results(external);
+    format!("{} {{\n{body}}}\n\n", prototype(external))
+}
+
+fn sent_arguments(ports: &[ExternalPort]) -> String {
+    let mut out = String::new();
+    for port in one_array(ports) {
         for k in 0..port.slots.len {
-            let place = element(&parameter("in", port.index), &external.inputs[port.index], k);
+            let place = element(&parameter("in", port.index), &ports[port.index], k);
             let at = port.slots.start + k;
-            body += &match port.kind {
+            out += &match port.kind {
                 Scalar::Real => format!("  arguments[{at}].real = {place};\n"),
                 Scalar::Bool => format!("  arguments[{at}].integer = {place} ? 1 : 0;\n"),
                 _ => format!("  arguments[{at}].integer = {place};\n"),
             };
         }
     }
-    body += &format!(
-        "  (void)driver_call({number}, arguments, {arguments}, results, {results});\n"
-    );
+    out
+}
+
+fn received_results(external: &ExternalFunction) -> String {
+    let mut out = String::new();
     for port in one_array(&external.outputs) {
         for k in 0..port.slots.len {
             let value = word_value(port.kind, port.slots.start + k);
-            body += &match external.result() {
+            out += &match external.result() {
                 Some(_) => format!("  return {value};\n"),
                 None => format!("  {}[{k}] = {value};\n", parameter("out", port.index)),
             };
         }
     }
-    format!("{} {{\n{body}}}\n\n", prototype(external))
+    out
 }
 
 fn word_value(kind: Scalar, at: u32) -> String {

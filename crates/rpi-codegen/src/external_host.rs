@@ -22,7 +22,10 @@ pub fn external_host(image: &Image) -> String {
     }
     out += "#ifdef __cplusplus\n}\n#endif\n";
     for (number, (_, external)) in functions.values().enumerate() {
-        out += &format!("static void call_{number}(void) {{\n{}}}\n\n", body(external));
+        out += &format!(
+            "static void call_{number}(void) {{\n{}}}\n\n",
+            body(external)
+        );
     }
     out += "int main(void) {\n  int number;\n  while (scanf(\"%d\", &number) == 1) {\n";
     for number in 0..functions.len() {
@@ -43,6 +46,19 @@ fn body(external: &ExternalFunction) -> String {
         };
         out += &format!("  {place} = {word};\n");
     }
+    out += &call(external);
+    for (place, kind) in places(&external.outputs, "out") {
+        out += &match kind {
+            Scalar::Real => format!("  driver_write(driver_bits({place}));\n"),
+            Scalar::Bool => format!("  driver_write({place} ? 1U : 0U);\n"),
+            _ => format!("  driver_write((uint64_t){place});\n"),
+        };
+    }
+    out
+}
+
+/// Returns the statement that calls a function with the variables of its ports.
+fn call(external: &ExternalFunction) -> String {
     let inputs = (0..external.inputs.len()).map(|k| parameter("in", k));
     let mut arguments: Vec<String> = inputs.collect();
     let result = match external.result() {
@@ -56,15 +72,8 @@ fn body(external: &ExternalFunction) -> String {
             String::new()
         }
     };
-    out += &format!("  {result}{}({});\n", external.symbol, arguments.join(", "));
-    for (place, kind) in places(&external.outputs, "out") {
-        out += &match kind {
-            Scalar::Real => format!("  driver_write(driver_bits({place}));\n"),
-            Scalar::Bool => format!("  driver_write({place} ? 1U : 0U);\n"),
-            _ => format!("  driver_write((uint64_t){place});\n"),
-        };
-    }
-    out
+    let (symbol, arguments) = (&external.symbol, arguments.join(", "));
+    format!("  {result}{symbol}({arguments});\n")
 }
 
 /// Returns the declarations of variables for ports.

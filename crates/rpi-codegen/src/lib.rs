@@ -11,7 +11,7 @@
 //! | `variables.rs`, `identifiers.rs` | C variables of the slots and their names |
 //! | `ports.rs` | fields of the input and output structs |
 //! | `expansion.rs`, `functions.rs` | C functions of the primitives |
-//! | `statements.rs`, `parts.rs` | C statements of the steps, and their distribution over functions |
+//! | `statements.rs`, `parts.rs`, `locals.rs` | C statements of the steps, their distribution over functions, and local variables |
 //! | `devices.rs` | set-points and device functions |
 //! | `external.rs`, `external_host.rs` | functions in C that the program calls |
 //! | `support.rs` | common functions that the text uses |
@@ -33,6 +33,7 @@ mod header;
 mod identifiers;
 mod initial;
 mod literals;
+mod locals;
 mod parts;
 mod ports;
 mod scopes;

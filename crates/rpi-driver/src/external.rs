@@ -2,9 +2,10 @@
 
 use std::collections::BTreeSet;
 
-use rpi_diag::{Code, Diagnostic};
+use rpi_diag::{Code, Diagnostic, Span};
 use rpi_image::Role;
 use rpi_image::external::ExternalFunction;
+use rpi_net::Node;
 
 use crate::analysed_net::AnalysedNet;
 
@@ -14,29 +15,36 @@ pub fn unlinked_functions(net: &AnalysedNet) -> Vec<Diagnostic> {
     let mut reported = BTreeSet::new();
     let mut diagnostics = Vec::new();
     for node in &net.nodes {
-        let Role::ExternalFunction(parameter) = node.desc().role else {
+        let Some(function) = external_function(node) else {
             continue;
         };
-        let index = node.desc().param(parameter);
-        let text = index.and_then(|k| node.params.get(k)?.as_str());
-        let Some(function) = text.and_then(ExternalFunction::from_text) else {
-            continue;
-        };
-        if !reported.insert(function.symbol.clone()) {
-            continue;
+        if reported.insert(function.symbol.clone()) {
+            diagnostics.push(unlinked(&function, node.origin.span));
         }
-        let message = format!("external function `{}` is not linked", function.name);
-        let symbol = function.symbol;
-        diagnostics.push(
-            Diagnostic::new(Code::RPI9104, message)
-                .primary(
-                    node.origin.span,
-                    format!("declared here: `{symbol}` in C computes it"),
-                )
-                .help(format!(
-                    "name the C source, object file or library of `{symbol}` with `--extern FILE`, or compile the program with `rpic compile --emit c`"
-                )),
-        );
     }
     diagnostics
+}
+
+/// Returns the external function that a node calls; `None` if it calls none.
+fn external_function(node: &Node) -> Option<ExternalFunction> {
+    let Role::ExternalFunction(parameter) = node.desc().role else {
+        return None;
+    };
+    let index = node.desc().param(parameter)?;
+    ExternalFunction::from_text(node.params.get(index)?.as_str()?)
+}
+
+fn unlinked(function: &ExternalFunction, declaration: Span) -> Diagnostic {
+    let (name, symbol) = (&function.name, &function.symbol);
+    Diagnostic::new(
+        Code::RPI9104,
+        format!("external function `{name}` is not linked"),
+    )
+    .primary(
+        declaration,
+        format!("declared here: `{symbol}` in C computes it"),
+    )
+    .help(format!(
+        "name the C source, object file or library of `{symbol}` with `--extern FILE`, or compile the program with `rpic compile --emit c`"
+    ))
 }

@@ -207,6 +207,65 @@ fn nodes_of_the_standard_library_give_the_same_bits() {
     assert!(compare_nodes("stdlib", ".rpi") > 10);
 }
 
+/// Returns the stack of a cycle in bytes as GCC reports it: that of the step, of its largest part and of the largest chain
+/// of three functions of primitives.
+fn stack_usage(text: &str, options: &str) -> usize {
+    let folder = tempfile::tempdir().expect("there is a folder for temporary files");
+    std::fs::write(folder.path().join("program.c"), text).expect("it can be written");
+    let mut command = std::process::Command::new("gcc");
+    command.args(["-std=c99", "-c", "-fstack-usage", options, "program.c"]);
+    let status = command.current_dir(folder.path()).status();
+    assert!(status.expect("gcc starts").success());
+    let report = std::fs::read_to_string(folder.path().join("program.su")).expect("a report");
+    let (mut own, mut parts, mut others) = (0, 0, Vec::new());
+    for line in report.lines() {
+        let mut columns = line.split('\t');
+        let name = columns.next().and_then(|place| place.rsplit(':').next());
+        let (name, size) = (name.unwrap_or(""), columns.next().unwrap_or("0"));
+        let size: usize = size.parse().expect("a number");
+        match name {
+            name if name.starts_with("rpi_") => others.push(size),
+            name if name.contains("_part_") => parts = parts.max(size),
+            name if name.ends_with("_step") => own = size,
+            _ => {}
+        }
+    }
+    others.sort_unstable();
+    own + parts + others.iter().rev().take(3).sum::<usize>()
+}
+
+#[test]
+fn the_stack_bound_holds() {
+    if !has_gcc() {
+        return;
+    }
+    let mut wrong = Vec::new();
+    for_each_command(&mut |path, net| {
+        let options = rpi_driver::emit::COptions {
+            period_ns: PERIOD_NS,
+            header: None,
+            line_directives: false,
+            origin: String::new(),
+        };
+        let sources = rpi_diag::SourceMap::new();
+        let text = rpi_driver::emit::c(net, &sources, &options).expect("it lowers");
+        let (_, bound) = text.source.split_once("Needs at most ").expect("a bound");
+        let bound: usize = bound
+            .split(' ')
+            .next()
+            .unwrap_or("")
+            .parse()
+            .expect("a bound");
+        for level in ["-O0", "-O2"] {
+            let usage = stack_usage(&text.source, level);
+            if usage > bound {
+                wrong.push(format!("{} {level}: {usage} > {bound}", path.display()));
+            }
+        }
+    });
+    assert!(wrong.is_empty(), "{}", wrong.join("\n"));
+}
+
 /// A text that does not depend on the program, so that a change of the folder of the repository cannot matter.
 #[test]
 fn the_text_is_the_same_each_time() {

@@ -189,7 +189,10 @@ mod tests {
         assert_eq!(ExternalFunction::from_text(&text), Some(function));
         let wrong = text.replace("c_norm", "system()");
         assert_eq!(ExternalFunction::from_text(&wrong), None);
-        assert_eq!(ExternalFunction::from_text(&text.replace(":3:", ":0:")), None);
+        assert_eq!(
+            ExternalFunction::from_text(&text.replace(":3:", ":0:")),
+            None
+        );
         assert_eq!(ExternalFunction::from_text("c_norm"), None);
     }
 }

@@ -5,14 +5,6 @@ use std::path::Path;
 use rpi_driver::{AnalysedNet, ClaimPolicy, compile, compile_node, read};
 use rpi_testkit::files_below;
 
-/// Folders of the programs with nodes, and the endings of their files.
-pub(crate) const NODE_FOLDERS: &[(&str, &str)] = &[
-    ("tests/lustre", ".lus"),
-    ("tests/nodes", ".rpi"),
-    ("tests/meaning", ".rpi"),
-    ("stdlib", ".rpi"),
-];
-
 /// Calls `visit` with the path and the net of each command of the examples.
 pub(crate) fn for_each_command(visit: &mut dyn FnMut(&Path, &AnalysedNet)) {
     for path in files_below("examples", &[".rpi"]) {

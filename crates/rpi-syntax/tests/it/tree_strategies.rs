@@ -12,7 +12,6 @@ fn name() -> impl Strategy<Value = Name> {
         "y'",
         "_",
         "arm",
-        "way",
         "speed",
         "none",
         "time",

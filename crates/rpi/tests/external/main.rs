@@ -46,7 +46,11 @@ fn a_source_computes_the_functions_in_the_core_and_in_c() {
         run("external.rpi", &source, &[]);
         for compiler in ["gcc -O2", "clang -O2"] {
             let target = ["--target", "c", "--cc", compiler];
-            if Command::new(&compiler[..compiler.len() - 4]).arg("--version").output().is_err() {
+            if Command::new(&compiler[..compiler.len() - 4])
+                .arg("--version")
+                .output()
+                .is_err()
+            {
                 report_skip(&format!("{compiler} is not installed"));
                 continue;
             }
@@ -68,7 +72,11 @@ fn a_library_computes_imported_functions_of_lustre() {
     let built = command.arg(folder().join("functions.c")).status().unwrap();
     assert!(built.success());
     run("imported.lus", &library, &[]);
-    let messages = run("imported.lus", &library, &["--target", "c", "--cc", "cc -O1"]);
+    let messages = run(
+        "imported.lus",
+        &library,
+        &["--target", "c", "--cc", "cc -O1"],
+    );
     assert!(messages.contains("the same bits in C"), "{messages}");
 }
 
@@ -95,7 +103,11 @@ fn the_emitted_text_calls_the_functions() {
     };
     let net = compiled.node.unwrap().net;
     let emitted = rpi_driver::emit::c(&net, &compiled.sources, &options).unwrap();
-    assert!(emitted.header.contains("double weighted(const double *in1, int64_t in2);"));
+    assert!(
+        emitted
+            .header
+            .contains("double weighted(const double *in1, int64_t in2);")
+    );
     let description = "in1: x: real[m]^3, 3 values";
     assert!(emitted.header.contains(description), "{}", emitted.header);
     let write = |name: &str, text: &str| {
@@ -108,7 +120,14 @@ fn the_emitted_text_calls_the_functions() {
     write("functions.c", &format!("#include \"main.h\"\n{functions}"));
     for language in ["-std=c99", "-xc++ -std=c++17"] {
         let mut command = Command::new("cc");
-        command.args(["-Wall", "-Wextra", "-Wconversion", "-Wshadow", "-pedantic", "-Werror"]);
+        command.args([
+            "-Wall",
+            "-Wextra",
+            "-Wconversion",
+            "-Wshadow",
+            "-pedantic",
+            "-Werror",
+        ]);
         command.args(language.split(' ')).args(["-c", "main.c"]);
         if language == "-std=c99" {
             command.arg("functions.c");
@@ -126,7 +145,13 @@ fn functions_that_nothing_provides_are_an_error_with_the_way_out() {
     let output = rpi(&["run", &text(&path), "--inputs", &inputs]);
     let messages = output_text(&output);
     assert_eq!(output.status.code(), Some(2), "{messages}");
-    for part in ["RPI9104", "external.rpi:2:", "`Weighted`", "`Split`", "--extern FILE"] {
+    for part in [
+        "RPI9104",
+        "external.rpi:2:",
+        "`Weighted`",
+        "`Split`",
+        "--extern FILE",
+    ] {
         assert!(messages.contains(part), "{part}: {messages}");
     }
 }
@@ -146,5 +171,8 @@ fn an_error_in_a_function_ends_the_run_with_a_message() {
     let output = rpi(&[&["run", &text(&path)][..], &files[..]].concat());
     let messages = output_text(&output);
     assert_eq!(output.status.code(), Some(2), "{messages}");
-    assert!(messages.contains("external functions have failed"), "{messages}");
+    assert!(
+        messages.contains("external functions have failed"),
+        "{messages}"
+    );
 }

@@ -100,24 +100,11 @@ fn unpassable(ty: &Ty, is_output: bool) -> Option<&'static str> {
 
 /// Adds the body of an external function: the call of the function in C. Has no effect if it cannot be called in C.
 pub(crate) fn add_external_body(cx: &mut Body<'_, '_>, node: &NodeDecl) {
-    let flows = |cx: &Body<'_, '_>, flows: &[FlowId]| -> Option<Vec<ExternalPort>> {
-        flows.iter().map(|flow| external_port(cx, *flow)).collect()
+    let prim = PrimId::from_name("Rpi::ExternalFunction");
+    let (Some(prim), Some(signature)) = (prim, signature(cx, node)) else {
+        return;
     };
     let (inputs, outputs) = (cx.unit.inputs.clone(), cx.unit.outputs.clone());
-    let (Some(in_ports), Some(out_ports)) = (flows(cx, &inputs), flows(cx, &outputs)) else {
-        return;
-    };
-    let c_name = node.c_name.as_ref().unwrap_or(&node.signature.name);
-    let signature = ExternalFunction {
-        symbol: c_name.name.to_string(),
-        name: node.signature.name.name.to_string(),
-        inputs: in_ports,
-        outputs: out_ports,
-    };
-    let prim = PrimId::from_name("Rpi::ExternalFunction");
-    let Some(prim) = prim.filter(|_| signature.is_valid()) else {
-        return;
-    };
     let span = node.signature.name.span;
     let call = PrimCall {
         prim,
@@ -133,6 +120,21 @@ pub(crate) fn add_external_body(cx: &mut Body<'_, '_>, node: &NodeDecl) {
     });
 }
 
+/// Returns the signature of an external function in C; `None` if it cannot be called in C.
+fn signature(cx: &Body<'_, '_>, node: &NodeDecl) -> Option<ExternalFunction> {
+    let ports = |flows: &[FlowId]| -> Option<Vec<ExternalPort>> {
+        flows.iter().map(|flow| external_port(cx, *flow)).collect()
+    };
+    let c_name = node.c_name.as_ref().unwrap_or(&node.signature.name);
+    let signature = ExternalFunction {
+        symbol: c_name.name.to_string(),
+        name: node.signature.name.name.to_string(),
+        inputs: ports(&cx.unit.inputs)?,
+        outputs: ports(&cx.unit.outputs)?,
+    };
+    signature.is_valid().then_some(signature)
+}
+
 /// Describes a port for C; `None` if it cannot be passed.
 fn external_port(cx: &Body<'_, '_>, flow: FlowId) -> Option<ExternalPort> {
     let flow = cx.unit.flow(flow);
@@ -141,7 +143,9 @@ fn external_port(cx: &Body<'_, '_>, flow: FlowId) -> Option<ExternalPort> {
         element = inner;
     }
     let is_plain = flow.optional != FlowPresence::Declared(true) && flow.clock.is_none();
-    let kind = element.scalar().filter(|kind| EXTERNAL_KINDS.contains(kind));
+    let kind = element
+        .scalar()
+        .filter(|kind| EXTERNAL_KINDS.contains(kind));
     Some(ExternalPort {
         name: flow.name.to_string(),
         kind: kind.filter(|_| is_plain && unpassable(&flow.ty, false).is_none())?,
