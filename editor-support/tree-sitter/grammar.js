@@ -106,7 +106,7 @@ module.exports = grammar({
         )
       ),
     _alias: ($) => seq("=", $._callee),
-    _c_name: ($) => seq("=", field("c_name", $.string), optional(";"), optional($._contract)),
+    _c_name: ($) => prec.right(seq("=", field("c_name", $.string), optional(seq(";", optional($._contract))))),
 
     fragment: ($) =>
       prec.right(
