@@ -6,7 +6,7 @@ use super::flows::{Flow, InputFlow};
 use super::port_names::{self, device_port};
 use crate::flat_net::{self, OpKind, index};
 use crate::registers::{Region, Register};
-use rpi_image::external::{EXTERNAL_DEVICE, ExternalFunction};
+use rpi_image::external::{EXTERNAL_DEVICE, EXTERNAL_KINDS, ExternalFunction, ExternalPort};
 use rpi_image::image::{DevicePort, SensorPort};
 use rpi_image::{DeviceUse, Presence, Scalar, Type, Value};
 use rpi_net::NodeId;
@@ -80,6 +80,10 @@ fn call(
     external: Option<ExternalFunction>,
 ) {
     let links = builder.links(id);
+    let results = &builder.net.node(id).outputs;
+    if external.as_ref().is_some_and(|e| !fits(e, &links, results)) {
+        return;
+    }
     let Some((scope, present)) = builder.open_guard(id, &links, true) else {
         return;
     };
@@ -108,6 +112,18 @@ fn call(
         .push(scope, OpKind::Call(number, inputs), &words, id.0);
     builder.close_guard(id, scope);
     restrict_presence(builder, id, &outputs, found);
+}
+
+/// Returns whether the values of a node are those of a signature, group by group. A program may write a call of the primitive
+/// itself, with any signature.
+fn fits(external: &ExternalFunction, links: &[InputFlow], results: &[Type]) -> bool {
+    let same = |types: &[Type], ports: &[ExternalPort]| {
+        let kinds = EXTERNAL_KINDS.iter();
+        let lens = kinds.map(|kind| ExternalFunction::group_len(ports, *kind));
+        lens.eq(types.iter().map(|ty| ty.slots()))
+    };
+    let arguments: Vec<Type> = links.iter().map(|l| l.ty).collect();
+    same(&arguments, &external.inputs) && same(results, &external.outputs)
 }
 
 /// Makes the presence of a node's out-ports also depend on the Boolean register `also`: a flow in `outputs` then is

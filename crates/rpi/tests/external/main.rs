@@ -176,3 +176,23 @@ fn an_error_in_a_function_ends_the_run_with_a_message() {
         "{messages}"
     );
 }
+
+/// A program may call the primitive itself. A signature that is none, or not that of its values, has no results.
+#[test]
+fn a_wrong_signature_has_no_results() {
+    for signature in ["none", "f\nf\nx:real:3:array:real\ny:real:1:value:real"] {
+        let text = format!(
+            "node A (x: real) returns (y: real)\nvar r: real^1;\nlet\n  r, _, _ = Rpi::ExternalFunction([x], [1], [true], Signature: {signature:?}, Reals: 1);\n  y = r[0];\ntel\n"
+        );
+        let input = rpi_driver::Input {
+            path: "direct.rpi".into(),
+            kind: rpi_driver::InputKind::Rpi,
+            bytes: text.into_bytes(),
+        };
+        let claims = rpi_driver::ClaimPolicy::Off;
+        let node = rpi_driver::compile_node(&input, Some("A"), claims, false).unwrap();
+        let Some(node) = node.node else { continue };
+        let image = rpi_driver::emit::lower_for_c(&node.net, 1_000_000).unwrap();
+        assert!(image.functions.is_empty());
+    }
+}
