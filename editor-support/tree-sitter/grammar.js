@@ -92,7 +92,7 @@ module.exports = grammar({
           field("name", $.identifier),
           optional($.static_parameters),
           choice(
-            seq($.ports, "returns", $.ports, optional(choice($._alias, seq(optional(";"), optional($._contract), optional($.body))))),
+            seq($.ports, "returns", $.ports, optional(choice($._alias, $._c_name, seq(optional(";"), optional($._contract), optional($.body))))),
             $._alias
           ),
           optional(choice(";", "."))
@@ -106,6 +106,7 @@ module.exports = grammar({
         )
       ),
     _alias: ($) => seq("=", $._callee),
+    _c_name: ($) => prec.right(seq("=", field("c_name", $.string), optional(seq(";", optional($._contract))))),
 
     fragment: ($) =>
       prec.right(

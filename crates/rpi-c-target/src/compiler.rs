@@ -77,8 +77,27 @@ impl CCompiler {
         self.build(text, &[])
     }
 
+    /// Compiles a C text together with sources, object files and libraries, given by absolute paths. The folders of the
+    /// libraries are where the program finds them.
+    pub(crate) fn link(&self, text: &str, files: &[PathBuf]) -> Result<CBinary, CTargetError> {
+        let folders = files.iter().filter_map(|file| file.parent());
+        let folders = folders.map(|folder| format!("-Wl,-rpath,{}", folder.display()));
+        let named = files.iter().map(|file| file.display().to_string());
+        let last: Vec<String> = folders.chain(named).chain(["-lm".to_owned()]).collect();
+        self.build_with(text, &[], &last)
+    }
+
     /// Compiles a C text with additional options.
     pub(crate) fn build(&self, text: &str, options: &[&str]) -> Result<CBinary, CTargetError> {
+        self.build_with(text, options, &[])
+    }
+
+    fn build_with(
+        &self,
+        text: &str,
+        options: &[&str],
+        last: &[String],
+    ) -> Result<CBinary, CTargetError> {
         let binary = CBinary::new(self.runner)?;
         let source = format!("program.{}", self.ending);
         binary.write(&source, text)?;
@@ -88,7 +107,7 @@ impl CCompiler {
         let mut command = Command::new(&self.program);
         command.current_dir(&binary.folder);
         command.args(&self.options).args(options);
-        command.args(["-o", PROGRAM, &source]);
+        command.args(["-o", PROGRAM, &source]).args(last);
         let output = command.output();
         let output = output.map_err(|e| CTargetError(format!("{}: {e}", self.program)))?;
         match output.status.success() {

@@ -97,6 +97,11 @@ impl<'a> CoreCycle<'a> {
         Some((number, self.parts(&function.arguments), results))
     }
 
+    /// Returns the number under which the program in C calls a function of the image.
+    pub(crate) fn shared(&self, function: usize) -> usize {
+        rpi_codegen::shared_function(self.instance.image(), function)
+    }
+
     /// Returns the words that a field of the output struct must have; `None` if it has no defined value in this cycle.
     pub(crate) fn expected(&self, field: &Field) -> Option<Vec<u64>> {
         let image = self.instance.image();

@@ -158,15 +158,15 @@ impl Drop for CProcess {
     }
 }
 
-fn error(cause: impl ToString) -> CTargetError {
+pub(crate) fn error(cause: impl ToString) -> CTargetError {
     CTargetError(cause.to_string())
 }
 
-fn word(text: &str) -> Result<u64, CTargetError> {
+pub(crate) fn word(text: &str) -> Result<u64, CTargetError> {
     u64::from_str_radix(text, 16).map_err(error)
 }
 
-fn line(head: &str, words: &[u64]) -> String {
+pub(crate) fn line(head: &str, words: &[u64]) -> String {
     let words = words.iter().map(|w| format!(" {w:x}"));
     format!("{head}{}\n", words.collect::<String>())
 }

@@ -1,6 +1,7 @@
 //! Options of the subcommands that run programs in C beside the control core.
 
 use clap::{Args, ValueEnum};
+use std::path::PathBuf;
 
 /// Target on which a program runs.
 #[derive(Clone, Copy, PartialEq, Eq, Debug, Default, ValueEnum)]
@@ -19,6 +20,9 @@ pub struct TargetArgs {
     /// core; every value must have the same bits.
     #[arg(long = "target", value_name = "TARGET", default_value = "core")]
     pub execution: ExecutionTarget,
+    /// C source, object file or library with the external functions of the program. They run in a process of their own.
+    #[arg(long = "extern", value_name = "FILE")]
+    pub external: Vec<PathBuf>,
     /// C compiler.
     #[command(flatten)]
     pub compiler: CompilerArgs,

@@ -18,7 +18,7 @@ pub(crate) struct Access {
 }
 
 impl Access {
-    fn new(start: u32, len: u32, ty: Option<CType>, writes: bool) -> Access {
+    pub(crate) fn new(start: u32, len: u32, ty: Option<CType>, writes: bool) -> Access {
         let slots = SlotRange { start, len };
         Access {
             slots,
@@ -28,7 +28,7 @@ impl Access {
         }
     }
 
-    fn array(self) -> Access {
+    pub(crate) fn array(self) -> Access {
         Access {
             is_array: self.slots.len > 1,
             ..self
@@ -146,6 +146,10 @@ pub(crate) fn step_accesses(image: &Image, step: &Step) -> Vec<Access> {
         }
         Step::Call { function } => {
             let function = &image.functions[function as usize];
+            if let Some(external) = &function.external {
+                crate::external::accesses(function, external, &mut out);
+                return out;
+            }
             let arguments = function.arguments.iter();
             out.extend(arguments.map(|a| Access::new(a.start, a.len, None, false)));
             let results = function.results.iter();

@@ -61,7 +61,11 @@ impl Emitter<'_> {
 
     /// Returns the statements of [`Step::Call`](rpi_image::Step): a call of an external function with words.
     pub(crate) fn call_device(&mut self, number: u32) -> Vec<String> {
-        let function = &self.image.functions[number as usize];
+        let image = self.image;
+        let function = &image.functions[number as usize];
+        if let Some(external) = &function.external {
+            return self.call_external(function, external);
+        }
         let arguments: Vec<u32> = function
             .arguments
             .iter()
@@ -111,7 +115,9 @@ impl Emitter<'_> {
         match self.word(slot) {
             (text, CType::Real) => format!("arguments[{k}].real = {text};"),
             (text, CType::Word) => format!("arguments[{k}].real = rpi_real({text});"),
-            (text, CType::Bool) => format!("arguments[{k}].integer = {text} ? 1 : 0;"),
+            (text, CType::Bool) => {
+                format!("arguments[{k}].integer = {text} ? INT64_C(1) : INT64_C(0);")
+            }
             (text, CType::Int) => format!("arguments[{k}].integer = {text};"),
         }
     }

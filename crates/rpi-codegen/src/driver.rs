@@ -8,6 +8,7 @@
 
 use crate::c_type::CType;
 use crate::devices::function_name;
+use crate::external::{external_functions, remote_definition};
 use crate::ports::{Direction, Field, Interface};
 use rpi_image::image::Image;
 
@@ -19,7 +20,11 @@ pub fn driver(image: &Image, name: &str, interface: &Interface) -> String {
     if !image.functions.is_empty() {
         out += include_str!("driver_call.c");
     }
-    for (k, function) in (0..).zip(&image.functions) {
+    for (k, external) in external_functions(image).values() {
+        out += &remote_definition(external, *k);
+    }
+    let device = (0..).zip(&image.functions);
+    for (k, function) in device.filter(|(_, f)| f.external.is_none()) {
         let arguments: u32 = function.arguments.iter().map(|a| a.len).sum();
         let results: u32 = function.results.iter().map(|r| r.len).sum();
         let function = function_name(name, function, k);

@@ -86,9 +86,11 @@ fn replacement(prim: &Prim, call: &str, arguments: &[&str]) -> String {
         },
         ("SLICE(", [to, array, start]) => {
             let n = operand(prim, to).slots();
-            format!(
-                "memcpy({to}, {array} + {start} * {n}, (size_t){to}_len * {n}U * sizeof {to}[0])"
-            )
+            let from = match *start {
+                "0" => (*array).to_owned(),
+                start => format!("{array} + {start} * {n}"),
+            };
+            format!("memcpy({to}, {from}, (size_t){to}_len * {n}U * sizeof {to}[0])")
         }
         ("NEUTRAL(", [to]) => neutral(operand(prim, to), to),
         ("LOAD(", [to, words]) => load(operand(prim, to), to, words),

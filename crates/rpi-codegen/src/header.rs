@@ -2,6 +2,7 @@
 
 use crate::c_type::CType;
 use crate::devices::function_name;
+use crate::external::{declaration, external_functions};
 use crate::identifiers::identifier;
 use crate::ports::Direction;
 use crate::slots::Region;
@@ -29,7 +30,8 @@ fn write_declarations(emitter: &Emitter<'_>, out: &mut String) -> std::fmt::Resu
     results(emitter, out)?;
     writeln!(out, "/* Values that the caller sets before each cycle. */")?;
     let mut fields = field_lines(emitter, Direction::Input);
-    if !emitter.image.functions.is_empty() {
+    let mut called = emitter.image.functions.iter();
+    if called.any(|f| f.external.is_none()) {
         fields.push((
             "void *device".to_owned(),
             "first argument of the device functions".to_owned(),
@@ -140,7 +142,11 @@ pub(crate) fn counts_cycles(emitter: &Emitter<'_>) -> bool {
 fn functions(emitter: &Emitter<'_>, out: &mut String) -> std::fmt::Result {
     let name = emitter.options.name;
     writeln!(out, "#ifdef __cplusplus\nextern \"C\" {{\n#endif")?;
-    for (k, function) in (0..).zip(&emitter.image.functions) {
+    for (_, external) in external_functions(emitter.image).values() {
+        declaration(external, out)?;
+    }
+    let device = (0..).zip(&emitter.image.functions);
+    for (k, function) in device.filter(|(_, f)| f.external.is_none()) {
         let port = &function.port;
         writeln!(
             out,
@@ -172,12 +178,32 @@ fn functions(emitter: &Emitter<'_>, out: &mut String) -> std::fmt::Result {
     )?;
     writeln!(
         out,
-        "/* Runs one cycle. Returns 0, or the code of the first fault. Instances are independent of each other. */\nint32_t {name}_step({name}_state *s, const {name}_in *in, {name}_out *out);"
+        "/* Runs one cycle. Returns 0, or the code of the first fault. Instances are independent of each other.\n   Needs at most {} bytes of stack, without the functions that the caller defines. */\nint32_t {name}_step({name}_state *s, const {name}_in *in, {name}_out *out);",
+        stack_bound(emitter)
     )?;
     writeln!(
         out,
         "/* Returns false if the compiler has contracted or reordered operations on reals. */\nbool {name}_self_test(void);\n#ifdef __cplusplus\n}}\n#endif"
     )
+}
+
+/// Returns an upper bound of the stack of a cycle in bytes: the local variables twice, because compilers may keep copies, and
+/// an allowance for the functions that a cycle calls, whose depth and local variables do not depend on the program.
+fn stack_bound(emitter: &Emitter<'_>) -> usize {
+    const FUNCTIONS: usize = 4096;
+    let variables = [Storage::Scope, Storage::Cycle].into_iter();
+    let variables = variables.flat_map(|storage| emitter.variables.in_storage(storage));
+    let sizes = variables.map(|v| v.ty.bytes() * v.slots.len as usize);
+    let bytes: usize = sizes.map(|size| size.next_multiple_of(8)).sum();
+    let bytes = bytes + device_words(emitter) * 8;
+    2 * bytes + FUNCTIONS
+}
+
+/// Returns the number of words that the calls of device functions pass.
+fn device_words(emitter: &Emitter<'_>) -> usize {
+    let functions = emitter.image.functions.iter();
+    let ranges = functions.flat_map(|f| f.arguments.iter().chain(&f.results));
+    ranges.map(|range| range.len as usize + 1).sum()
 }
 
 /// Describes words by their types: `7 real, 1 integer`.

@@ -11,8 +11,9 @@
 //! | `variables.rs`, `identifiers.rs` | C variables of the slots and their names |
 //! | `ports.rs` | fields of the input and output structs |
 //! | `expansion.rs`, `functions.rs` | C functions of the primitives |
-//! | `statements.rs`, `parts.rs` | C statements of the steps, and their distribution over functions |
+//! | `statements.rs`, `parts.rs`, `locals.rs` | C statements of the steps, their distribution over functions, and local variables |
 //! | `devices.rs` | set-points and device functions |
+//! | `external.rs`, `external_host.rs` | functions in C that the program calls |
 //! | `support.rs` | common functions that the text uses |
 //! | `fmu/` | files of Functional Mock-up Units |
 //! | `driver.rs` | program that runs the cycles for another process |
@@ -24,12 +25,15 @@ mod c_type;
 mod devices;
 mod driver;
 mod expansion;
+mod external;
+mod external_host;
 mod fmu;
 mod functions;
 mod header;
 mod identifiers;
 mod initial;
 mod literals;
+mod locals;
 mod parts;
 mod ports;
 mod scopes;
@@ -42,6 +46,8 @@ mod variables;
 pub use c_type::CType;
 pub use devices::function_name;
 pub use driver::driver;
+pub use external::{external_functions, shared_function};
+pub use external_host::external_host;
 pub use fmu::{Fmu, FmuError, fmu};
 pub use ports::{Direction, Field, Interface, Meaning};
 

@@ -1,5 +1,3 @@
-#include <float.h>
-#include <string.h>
 
 /* The results are those of the core, bit by bit, with IEEE 754 arithmetic in which each operation rounds once. */
 #if defined(__FAST_MATH__) || (defined(__FINITE_MATH_ONLY__) && __FINITE_MATH_ONLY__ != 0) || \

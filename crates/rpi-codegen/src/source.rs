@@ -6,13 +6,15 @@ use crate::header::{CYCLE, counts_cycles, declarations};
 use crate::identifiers::{mentions, variables_in};
 use crate::initial::{init_function, resets};
 use crate::literals::literal;
+use crate::locals::localise;
 use crate::parts::{Node, Parts, print};
 use crate::ports::{Direction, Meaning};
 use crate::statements::{Emitter, declarator, escaped, zero};
 use crate::support::needed;
-use crate::variables::Storage;
+use crate::variables::{Storage, Variable};
 use rpi_image::CommandFlow;
 use rpi_image::image::{CommandEnd, CommandEndKind, Signal, TRUE};
+use std::collections::BTreeSet;
 
 /// Returns the texts of an image.
 pub(crate) fn write(mut emitter: Emitter<'_>) -> Emitted {
@@ -31,15 +33,19 @@ pub(crate) fn write(mut emitter: Emitter<'_>) -> Emitted {
         nodes = parts.split(nodes, &call);
     }
     let mut body = resets(&emitter);
-    body += &part_functions(&name, &parts);
-    body += &step_function(&emitter, &nodes);
+    let step = step_function(&emitter, &nodes);
+    let mut bodies: Vec<String> = parts.functions.iter().map(|nodes| text_of(nodes)).collect();
+    let variables: Vec<&Variable> = emitter.variables.in_storage(Storage::Cycle).collect();
+    let locals = localise(&mut bodies, &step, &variables);
+    body += &part_functions(&name, &bodies);
+    body += &step;
     let body = init_function(&emitter) + &body + &self_test(&name);
     let functions: String = emitter
         .functions
         .values()
         .map(|f| format!("{}\n", f.text))
         .collect();
-    let tables = constants(&emitter) + &places(&emitter) + &value_struct(&emitter);
+    let tables = constants(&emitter) + &places(&emitter) + &value_struct(&emitter, &locals);
     let support = needed(&format!("{functions}{body}{tables}"));
     let parameters = parameters(&emitter, &format!("{support}{functions}"));
     let head = comment(&emitter);
@@ -47,16 +53,40 @@ pub(crate) fn write(mut emitter: Emitter<'_>) -> Emitted {
     let guard = format!("{}_H", name.to_uppercase());
     let header = format!("{head}#ifndef {guard}\n#define {guard}\n{declarations}#endif\n");
     let (header, own) = match emitter.options.header {
-        Some(file) => (header, format!("{head}#include \"{file}\"\n")),
-        None => (String::new(), format!("{head}{declarations}")),
+        Some(file) => (header, format!("{head}#include \"{file}\"\n{INCLUDES}")),
+        None => (String::new(), format!("{head}{INCLUDES}{declarations}")),
     };
     let prelude = include_str!("prelude.c");
     let source = format!("{own}{prelude}{parameters}{support}{functions}{tables}{body}");
+    let source = with_discarded_results(&source);
     Emitted {
         header,
         source,
         interface: emitter.interface.clone(),
     }
+}
+
+/// Headers of the C library that the text uses, before everything else.
+const INCLUDES: &str = "#include <float.h>\n#include <string.h>\n";
+
+/// Marks the unused results of `memcpy` and `memset` as such (MISRA C:2012, rule 17.7).
+fn with_discarded_results(text: &str) -> String {
+    let mut out = String::with_capacity(text.len());
+    for line in text.lines() {
+        let statement = line.trim_start();
+        if ["memcpy(", "memset("]
+            .iter()
+            .any(|call| statement.starts_with(call))
+        {
+            out.push_str(&line[..line.len() - statement.len()]);
+            out.push_str("(void)");
+            out.push_str(statement);
+        } else {
+            out.push_str(line);
+        }
+        out.push('\n');
+    }
+    out
 }
 
 fn comment(emitter: &Emitter<'_>) -> String {
@@ -253,11 +283,12 @@ fn places(emitter: &Emitter<'_>) -> String {
 }
 
 /// Returns the struct of the values of a cycle, if they are no local variables.
-fn value_struct(emitter: &Emitter<'_>) -> String {
+fn value_struct(emitter: &Emitter<'_>, locals: &BTreeSet<String>) -> String {
     if !emitter.variables.has_struct {
         return String::new();
     }
     let variables = emitter.variables.in_storage(Storage::Cycle);
+    let variables = variables.filter(|v| !locals.contains(&v.name));
     let fields = variables.map(|v| format!("  {};\n", declarator(v.ty, &v.name, v.slots.len)));
     let fields: String = fields.collect();
     let name = emitter.options.name;
@@ -266,14 +297,18 @@ fn value_struct(emitter: &Emitter<'_>) -> String {
     )
 }
 
-fn part_functions(name: &str, parts: &Parts) -> String {
+fn text_of(nodes: &[Node]) -> String {
+    let mut text = String::new();
+    print(nodes, 1, &mut text);
+    text
+}
+
+fn part_functions(name: &str, bodies: &[String]) -> String {
     let mut out = String::new();
-    for (k, nodes) in parts.functions.iter().enumerate() {
-        let mut body = String::new();
-        print(nodes, 1, &mut body);
+    for (k, body) in bodies.iter().enumerate() {
         let unused = ["cx", "s", "in", "out", "v"]
             .iter()
-            .filter(|p| !mentions(&body, p));
+            .filter(|p| !mentions(body, p));
         let unused: String = unused.map(|p| format!("  (void){p};\n")).collect();
         out += &format!(
             "static void {name}_part_{k}(rpi_context *cx, {name}_state *s, const {name}_in *in, {name}_out *out,\n    {name}_values *v) {{\n{unused}{body}}}\n\n"
@@ -328,8 +363,7 @@ fn tail(emitter: &Emitter<'_>) -> String {
         out += &format!("  s->{CYCLE} += 1U;\n");
     }
     if emitter.places.is_empty() {
-        out +=
-            "  memset(&out->fault, 0, sizeof out->fault);\n  (void)cx;\n  return RPI_NO_FAULT;\n";
+        out += "  memset(&out->fault, 0, sizeof out->fault);\n  (void)cx;\n  return 0;\n";
         return out;
     }
     let discard: String = set_points(emitter)
@@ -338,7 +372,7 @@ fn tail(emitter: &Emitter<'_>) -> String {
         .collect();
     out += "  memset(&out->fault, 0, sizeof out->fault);\n";
     out += &format!(
-        "  if (cx->fault != RPI_NO_FAULT) {{\n    out->fault = rpi_places[cx->place];\n    out->fault.code = cx->fault;\n{discard}  }}\n  return cx->fault;\n"
+        "  if (cx->fault != 0) {{\n    out->fault = rpi_places[cx->place];\n    out->fault.code = cx->fault;\n{discard}  }}\n  return cx->fault;\n"
     );
     out
 }

@@ -421,7 +421,9 @@ pub(crate) fn declarator(ty: CType, name: &str, len: u32) -> String {
 pub(crate) fn zero(variable: &Variable) -> &'static str {
     match (variable.slots.len, variable.ty) {
         (1, CType::Bool) => "false",
-        (1, _) => "0",
+        (1, CType::Real) => "0.0",
+        (1, CType::Word) => "0U",
+        (1, CType::Int) => "0",
         _ => "{0}",
     }
 }

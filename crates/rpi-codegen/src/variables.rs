@@ -12,7 +12,7 @@ use std::collections::{BTreeMap, BTreeSet};
 
 /// Maximum number of statements of a function with local variables. A larger image is distributed over functions, which
 /// share a struct of values: the time that C compilers take is not proportional to the size of a function.
-pub(crate) const MAX_STATEMENTS: usize = 400;
+pub(crate) const MAX_STATEMENTS: usize = 2000;
 
 /// Place in which a C variable is stored.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]

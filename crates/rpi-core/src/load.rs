@@ -2,6 +2,7 @@
 
 use core::fmt;
 use rpi_device::{DeviceBank, PortId, PortKind, PortQuery, ResolveError};
+use rpi_image::external::EXTERNAL_DEVICE;
 use rpi_image::image::{DevicePort, Image};
 use rpi_image::{PrimDesc, VerifyError, verify};
 use rpi_prims::PrimId;
@@ -16,6 +17,8 @@ pub enum LoadError {
     InvalidImage(VerifyError),
     /// The image names a device, given here, that the cell does not have.
     UnknownDevice(String),
+    /// The image calls an external function, given here by its name in C, and nothing provides it.
+    ExternalFunction(String),
     /// The image names a device port that the cell does not have, or has with another kind or type.
     UnknownPort {
         /// Port of the image, as the text `device.port[index]: type`.
@@ -32,6 +35,10 @@ impl fmt::Display for LoadError {
         match self {
             LoadError::InvalidImage(error) => write!(f, "invalid image: {error}"),
             LoadError::UnknownDevice(device) => write!(f, "the cell has no device `{device}`"),
+            LoadError::ExternalFunction(symbol) => write!(
+                f,
+                "nothing computes the external function `{symbol}`: it is a function in C"
+            ),
             LoadError::UnknownPort { port, kind, error } => {
                 let kind = match kind {
                     PortKind::Sensor => "sensor",
@@ -69,6 +76,9 @@ pub(crate) fn resolve_port(
     bank.resolve(&PortQuery::new(port, kind))
         .unwrap_or_else(|error| {
             let fault = match error {
+                _ if port.device == EXTERNAL_DEVICE => {
+                    LoadError::ExternalFunction(port.port.clone())
+                }
                 ResolveError::UnknownDevice => LoadError::UnknownDevice(port.device.clone()),
                 error => LoadError::UnknownPort {
                     port: alloc::format!("{port}"),

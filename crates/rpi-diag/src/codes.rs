@@ -205,6 +205,7 @@ codes! {
     RPI9021 Error "invalid recording";
     RPI9102 Warning "not representable in a net";
     RPI9103 Warning "primitive not supported in Lustre";
+    RPI9104 Error "external function not linked";
     RPI9201 Error "insecure server address";
     RPI9202 Error "compiler process failed";
     RPI9901 Error "internal compiler error";

@@ -28,6 +28,7 @@ mod coverage_points;
 mod doctext;
 mod duration;
 pub mod emit;
+mod external;
 mod faults;
 mod file_loader;
 mod fixes;
@@ -62,6 +63,7 @@ pub use compile::{
 pub use coverage_points::CoveragePoints;
 pub use doctext::{doc_blocks, doc_links, examples};
 pub use duration::{DurationError, format_duration, parse_duration};
+pub use external::unlinked_functions;
 pub use faults::FaultLocation;
 pub use file_loader::{DiskLoader, FileLoader};
 pub use input::{Input, InputError, InputKind, read, read_error, utf8};

@@ -3,9 +3,12 @@
 //!
 //! Each program is compiled with one of the compilers below in turn. `RPI_C_COMPILERS=all` uses all of them for each.
 
+mod c_programs;
+
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
+use c_programs::{for_each_command, for_each_node};
 use rpi_c_target::{CCompiler, Lockstep};
 use rpi_core::CycleContext;
 use rpi_driver::emit::lower_for_c;
@@ -13,7 +16,7 @@ use rpi_driver::{AnalysedNet, ClaimPolicy, compile, compile_node, read};
 use rpi_image::{Scalar, Type};
 use rpi_sim::robot::FolderFiles;
 use rpi_sim::{Cell, SimBank};
-use rpi_testkit::{files_below, workspace_root};
+use rpi_testkit::workspace_root;
 
 /// Period of all programs in ns: 1 ms.
 const PERIOD_NS: u64 = 1_000_000;
@@ -151,22 +154,16 @@ fn cell_beside(program: &Path) -> Cell {
 #[test]
 fn commands_of_the_examples_give_the_same_bits() {
     let (mut turns, mut count, mut wrong) = (Turns::new(), 0, Vec::new());
-    for path in files_below("examples", &[".rpi"]) {
-        let compiled = compile(&read(&path).expect("it can be read")).expect("it compiles");
-        let cell = cell_beside(&path);
-        for net in compiled.nets() {
-            for compiler in turns.compilers() {
-                count += 1;
-                if let Err(error) = compare(net, &cell, &compiler, COMMAND_CYCLES) {
-                    wrong.push(format!(
-                        "{}: {} {compiler:?}\n{error}",
-                        path.display(),
-                        net.name
-                    ));
-                }
+    for_each_command(&mut |path, net| {
+        let cell = cell_beside(path);
+        for compiler in turns.compilers() {
+            count += 1;
+            if let Err(error) = compare(net, &cell, &compiler, COMMAND_CYCLES) {
+                let (path, name) = (path.display(), &net.name);
+                wrong.push(format!("{path}: {name} {compiler:?}\n{error}"));
             }
         }
-    }
+    });
     assert!(wrong.is_empty(), "{}", wrong.join("\n"));
     assert!(
         count >= 14 || turns.compilers.is_empty(),
@@ -174,66 +171,99 @@ fn commands_of_the_examples_give_the_same_bits() {
     );
 }
 
-/// Returns the names that follow `node` or `function` in a program.
-fn declared_nodes(text: &str) -> Vec<String> {
-    let words: Vec<&str> = text.split_whitespace().collect();
-    let after = words
-        .windows(2)
-        .filter(|w| ["node", "function"].contains(&w[0]));
-    let name = |word: &str| {
-        word.split(['(', '<', ';', ':'])
-            .next()
-            .unwrap_or("")
-            .to_owned()
-    };
-    after
-        .map(|w| name(w[1]))
-        .filter(|name| !name.is_empty())
-        .collect()
-}
-
 /// Compares all nodes of the programs in a folder. Returns the number of nodes.
-fn compare_nodes(folder: &str, endings: &[&str]) -> usize {
+fn compare_nodes(folder: &str, ending: &str) -> usize {
     let (mut turns, mut count, mut wrong) = (Turns::new(), 0, Vec::new());
-    for path in files_below(folder, endings) {
-        let input = read(&path).expect("it can be read");
-        let text = input.text().expect("it is text").to_owned();
-        for name in declared_nodes(&text) {
-            // Nodes with static parameters cannot run alone.
-            let Ok(compiled) = compile_node(&input, Some(&name), ClaimPolicy::Fault, false) else {
-                continue;
-            };
-            let Some(node) = compiled.node else { continue };
-            for compiler in turns.compilers() {
-                count += 1;
-                if let Err(error) = compare(&node.net, &Cell::default(), &compiler, NODE_CYCLES) {
-                    wrong.push(format!("{}: {name} {compiler:?}\n{error}", path.display()));
-                }
+    for_each_node(folder, ending, &mut |path, net| {
+        for compiler in turns.compilers() {
+            count += 1;
+            if let Err(error) = compare(net, &Cell::default(), &compiler, NODE_CYCLES) {
+                let (path, name) = (path.display(), &net.name);
+                wrong.push(format!("{path}: {name} {compiler:?}\n{error}"));
             }
         }
-    }
+    });
     assert!(wrong.is_empty(), "{}", wrong.join("\n"));
     count
 }
 
 #[test]
 fn nodes_of_lustre_programs_give_the_same_bits() {
-    assert!(compare_nodes("tests/lustre", &[".lus"]) > 20);
+    assert!(compare_nodes("tests/lustre", ".lus") > 20);
 }
 
 #[test]
 fn nodes_of_programs_give_the_same_bits() {
-    assert!(compare_nodes("tests/nodes", &[".rpi"]) > 1);
+    assert!(compare_nodes("tests/nodes", ".rpi") > 1);
 }
 
 #[test]
 fn nodes_of_the_tests_of_the_language_give_the_same_bits() {
-    assert!(compare_nodes("tests/meaning", &[".rpi"]) > 20);
+    assert!(compare_nodes("tests/meaning", ".rpi") > 20);
 }
 
 #[test]
 fn nodes_of_the_standard_library_give_the_same_bits() {
-    assert!(compare_nodes("stdlib", &[".rpi"]) > 10);
+    assert!(compare_nodes("stdlib", ".rpi") > 10);
+}
+
+/// Returns the stack of a cycle in bytes as GCC reports it: that of the step, of its largest part and of the largest chain
+/// of three functions of primitives.
+fn stack_usage(text: &str, options: &str) -> usize {
+    let folder = tempfile::tempdir().expect("there is a folder for temporary files");
+    std::fs::write(folder.path().join("program.c"), text).expect("it can be written");
+    let mut command = std::process::Command::new("gcc");
+    command.args(["-std=c99", "-c", "-fstack-usage", options, "program.c"]);
+    let status = command.current_dir(folder.path()).status();
+    assert!(status.expect("gcc starts").success());
+    let report = std::fs::read_to_string(folder.path().join("program.su")).expect("a report");
+    let (mut own, mut parts, mut others) = (0, 0, Vec::new());
+    for line in report.lines() {
+        let mut columns = line.split('\t');
+        let name = columns.next().and_then(|place| place.rsplit(':').next());
+        let (name, size) = (name.unwrap_or(""), columns.next().unwrap_or("0"));
+        let size: usize = size.parse().expect("a number");
+        match name {
+            name if name.starts_with("rpi_") => others.push(size),
+            name if name.contains("_part_") => parts = parts.max(size),
+            name if name.ends_with("_step") => own = size,
+            _ => {}
+        }
+    }
+    others.sort_unstable();
+    own + parts + others.iter().rev().take(3).sum::<usize>()
+}
+
+#[test]
+fn the_stack_bound_holds() {
+    if !has_gcc() {
+        return;
+    }
+    let mut wrong = Vec::new();
+    for_each_command(&mut |path, net| {
+        let options = rpi_driver::emit::COptions {
+            period_ns: PERIOD_NS,
+            header: None,
+            line_directives: false,
+            origin: String::new(),
+        };
+        let sources = rpi_diag::SourceMap::new();
+        let text = rpi_driver::emit::c(net, &sources, &options).expect("it lowers");
+        let (_, bound) = text.source.split_once("Needs at most ").expect("a bound");
+        let bound: usize = bound
+            .split(' ')
+            .next()
+            .unwrap_or("")
+            .parse()
+            .expect("a bound");
+        for level in ["-O0", "-O2"] {
+            let usage = stack_usage(&text.source, level);
+            if usage > bound {
+                wrong.push(format!("{} {level}: {usage} > {bound}", path.display()));
+            }
+        }
+    });
+    assert!(wrong.is_empty(), "{}", wrong.join("\n"));
 }
 
 /// A text that does not depend on the program, so that a change of the folder of the repository cannot matter.

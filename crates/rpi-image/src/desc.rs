@@ -75,6 +75,8 @@ pub enum ShapeRule {
     Fixed,
     /// The array out-port is as long as the value of the integer parameter with this name.
     FromParam(&'static str),
+    /// Each array out-port is as long as the value of the integer parameter with the name at its index.
+    FromParams(&'static [&'static str]),
     /// The array out-port is as long as the array in-port with this index.
     SameAsInput(usize),
     /// The array out-port is as long as the array parameter with this name.
@@ -276,6 +278,9 @@ pub enum Role {
     /// concatenated; the result fills the slots of all outputs. If the device returns no result, an output with
     /// [`Presence::Maybe`] is absent, and an output with [`Presence::Strict`] is NaN.
     DeviceFunction(DeviceUse),
+    /// Calls a function in C that is defined outside of the program. The text parameter with this name has its
+    /// signature, see [`ExternalFunction`](crate::external::ExternalFunction).
+    ExternalFunction(&'static str),
     /// Outputs a value that the host of the command sets under a key, between two cycles.
     Input,
     /// Publishes the value of its input under a key at the end of the cycle.
@@ -392,15 +397,16 @@ impl PrimDesc {
         }
         match self.outputs.get(port)?.ty {
             PortType::Scalar(s) => Some(Type::Scalar(s)),
-            PortType::Array(s) => self.derived_len(args).map(|n| Type::Array(s, n)),
+            PortType::Array(s) => self.derived_len(port, args).map(|n| Type::Array(s, n)),
             PortType::Matrix => None,
         }
     }
 
-    fn derived_len(&self, args: &ShapeArgs<'_>) -> Option<u32> {
+    fn derived_len(&self, port: usize, args: &ShapeArgs<'_>) -> Option<u32> {
         match self.shape {
             ShapeRule::Fixed | ShapeRule::Computed(_) => None,
             ShapeRule::FromParam(name) => args.size(self.param(name)?),
+            ShapeRule::FromParams(names) => args.size(self.param(names.get(port)?)?),
             ShapeRule::SameAsInput(input) => args.len(input),
             ShapeRule::SameAsParam(name) => match args.params.get(self.param(name)?)?.ty()? {
                 Type::Array(_, n) => Some(n),

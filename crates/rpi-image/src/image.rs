@@ -7,6 +7,7 @@
 
 pub use crate::debug_info::{DebugInfo, Probe, SourceLocation, TextRange};
 use crate::desc::{CommandFlow, DeviceResponse};
+use crate::external::ExternalFunction;
 use crate::types::Type;
 use alloc::string::String;
 use alloc::vec::Vec;
@@ -267,6 +268,9 @@ pub struct DeviceFunction {
     pub present: u32,
     /// Upper bound of the work of the device for one call, in elementary operations (the addition of two reals is 1).
     pub work: u32,
+    /// Signature in C if the function is not one of a device, but defined outside of the program. The arguments and
+    /// results then have one range for each kind of values that occurs.
+    pub external: Option<ExternalFunction>,
 }
 
 /// Flow that the host of the command sets between two cycles.

@@ -10,6 +10,7 @@ pub mod claim;
 mod debug_info;
 pub mod desc;
 pub mod encoding;
+pub mod external;
 pub mod hash;
 pub mod image;
 pub mod operands;

@@ -5,6 +5,7 @@
 
 use crate::desc::{CommandFlow, DeviceResponse};
 use crate::encoding::{Encoding, ReadError, Reader};
+use crate::external::{ExternalFunction, ExternalPort};
 use crate::hash::Fnv1a;
 use crate::image::{
     ActuatorPort, CommandEnd, CommandEndKind, CoreFlow, DebugInfo, DeviceFunction, DevicePort,
@@ -18,7 +19,7 @@ use alloc::vec::Vec;
 
 const MAGIC: [u8; 4] = *b"RPIB";
 /// Version of the `.rpib` format. Any change of a table in this file needs a new version.
-pub const VERSION: u16 = 3;
+pub const VERSION: u16 = 4;
 /// Length of the header of a file in bytes: magic number, version and checksum.
 const HEADER_LEN: usize = MAGIC.len() + size_of::<u16>() + size_of::<u64>();
 
@@ -130,7 +131,15 @@ encode_struct!(SensorPort {
     value: Signal
 });
 encode_struct!(ActuatorPort { port: DevicePort, inputs: Vec<SlotRange>, responses: Vec<(DeviceResponse, u32)> });
-encode_struct!(DeviceFunction { port: DevicePort, arguments: Vec<SlotRange>, results: Vec<SlotRange>, present: u32, work: u32 });
+encode_struct!(DeviceFunction { port: DevicePort, arguments: Vec<SlotRange>, results: Vec<SlotRange>, present: u32, work: u32, external: Option<ExternalFunction> });
+encode_struct!(ExternalFunction { symbol: String, name: String, inputs: Vec<ExternalPort>, outputs: Vec<ExternalPort> });
+encode_struct!(ExternalPort {
+    name: String,
+    kind: Scalar,
+    len: u32,
+    is_array: bool,
+    ty: String
+});
 encode_struct!(InputPort { key: String, value: Signal, last_updated: Option<Signal> });
 encode_struct!(Export {
     key: String,

@@ -4,6 +4,7 @@
 use crate::access::AccessTable;
 use crate::registers::{Register, Registers};
 use rpi_image::DeviceResponse;
+use rpi_image::external::ExternalFunction;
 use rpi_image::image::{
     CommandEnd, CoreFlow, DevicePort, Export, Form, Fragment, InputPort, SensorPort, Signal,
 };
@@ -108,6 +109,8 @@ pub(crate) struct Function {
     pub(crate) may_fail: bool,
     /// Upper bound of the work of one call, in elementary operations (the addition of two reals is 1).
     pub(crate) work: u32,
+    /// Signature in C if the function is not one of a device.
+    pub(crate) external: Option<ExternalFunction>,
 }
 
 /// A net translated to operations on registers, in nested scopes. Presence and activation of its flows are Boolean

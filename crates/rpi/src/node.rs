@@ -5,6 +5,7 @@ use std::fs::File;
 use std::io::{BufRead, BufReader, BufWriter, Write, stdin, stdout};
 use std::path::Path;
 
+use rpi_c_target::{CCompiler, ExternalBank};
 use rpi_diag::{Severity, SourceMap, Style, render};
 use rpi_driver::{ClaimPolicy, CompiledNode, Input, InputKind};
 use rpi_net::Column;
@@ -38,11 +39,21 @@ pub(crate) fn run(args: &RunArgs) -> CommandResult {
         let outputs = node.outputs.iter_mut().chain(&mut node.locals);
         outputs.for_each(|column| column.enum_values.clear());
     }
+    let files = &args.execution.external;
+    let unlinked = rpi_driver::unlinked_functions(&node.net);
+    if files.is_empty() && !unlinked.is_empty() {
+        rpi_diag::print_stderr!("{}", render(&unlinked, &sources, style));
+        return Ok(Exit::BadInput);
+    }
     let image = rpi_driver::lower_for_execution(&node.net, args.target.period.unwrap_or(PERIOD))?;
+    let compiler = CCompiler::new(&args.execution.compiler.cc);
+    let bank = ExternalBank::without_devices(&image, files, &compiler)?;
+    let failed = bank.error();
+    let bank = Box::new(bank);
     let shown: Vec<Column> = node.outputs.into_iter().chain(node.locals).collect();
     let mut session = NodeSession {
         in_c: ShadowedNode::start(&image, &args.execution)?,
-        run: NodeRun::load(image, &node.inputs, &shown, &node.net.claims)?,
+        run: NodeRun::load_with(image, bank, &node.inputs, &shown, &node.net.claims)?,
         shown,
         out: output(&args.program, &args.node)?,
         sources,
@@ -60,6 +71,9 @@ pub(crate) fn run(args: &RunArgs) -> CommandResult {
         }
     };
     session.out.flush()?;
+    if let Some(error) = failed.take() {
+        return Err(error.into());
+    }
     rpi_diag::print_stderr!("{}", session.run.summary());
     if let Some(in_c) = session.in_c.as_mut().filter(|_| exit.is_ok()) {
         rpi_diag::println_stderr!("{}", in_c.summary()?);

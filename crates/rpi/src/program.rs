@@ -22,6 +22,18 @@ fn compile(input: &Input, options: CompileOptions) -> Result<Compiled, Box<dyn s
     usable(compiled, input)
 }
 
+/// Returns an error, and prints diagnostics, if commands call external functions, which only C computes.
+pub(crate) fn ensure_linked(compiled: &Compiled) -> Result<(), Box<dyn std::error::Error>> {
+    let nets = compiled.nets().iter();
+    let unlinked: Vec<_> = nets.flat_map(rpi_driver::unlinked_functions).collect();
+    if unlinked.is_empty() {
+        return Ok(());
+    }
+    let style = Style::for_stream(&std::io::stderr());
+    rpi_diag::print_stderr!("{}", render(&unlinked, &compiled.sources, style));
+    Err("a command with external functions cannot run in the control core".into())
+}
+
 fn print_diagnostics(compiled: &Compiled) {
     let style = Style::for_stream(&std::io::stderr());
     rpi_diag::print_stderr!(

@@ -131,6 +131,9 @@ fn compile(args: &RunArgs) -> Result<Compiled, Box<dyn Error>> {
     if args.execution.execution == ExecutionTarget::C {
         return Err("--target c runs single nodes (--node); for commands, record the run and compare it with `rpi replay FILE.mcap --against c`".into());
     }
+    if !args.execution.external.is_empty() {
+        return Err("--extern applies to single nodes (--node) and to `rpic test`; commands with external functions run in C (`rpic compile --emit c`)".into());
+    }
     if args.share.is_present() && !args.clock.real_time {
         return Err("--cycle-share and --machine require --real-time; cycles of simulated time have no time limit".into());
     }
@@ -139,7 +142,9 @@ fn compile(args: &RunArgs) -> Result<Compiled, Box<dyn Error>> {
         period_ns: args.target.period,
         ..target::compile_options(&args.target)?
     };
-    program::load(&args.program, options)
+    let compiled = program::load(&args.program, options)?;
+    program::ensure_linked(&compiled)?;
+    Ok(compiled)
 }
 
 /// Creates the observer that reports violated assertions and contracts of all commands that run.

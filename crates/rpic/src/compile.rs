@@ -4,6 +4,7 @@ use std::path::{Path, PathBuf};
 
 use rpi_diag::{Format, SourceMap};
 use rpi_driver::{AnalysedNet, ClaimPolicy, Compiled, Input, InputKind, emit, graph as draw};
+use rpi_image::hash::Fnv1a;
 use rpi_net::lustre::NodeInterface;
 use rpi_syntax::Dialect;
 
@@ -116,7 +117,7 @@ fn write_c(net: &AnalysedNet, sources: &SourceMap, args: &CompileArgs) -> Comman
     let include = header.as_deref().and_then(Path::file_name);
     let options = emit::COptions {
         header: include.map(|name| name.to_string_lossy().into_owned()),
-        ..c_options(args)
+        ..c_options(args, sources)
     };
     let emitted = emit::c(net, sources, &options)?;
     if let Some(path) = header {
@@ -130,16 +131,19 @@ fn write_c(net: &AnalysedNet, sources: &SourceMap, args: &CompileArgs) -> Comman
     Ok(Exit::Success)
 }
 
-/// Returns the options of the translation to C for a single file.
-pub(crate) fn c_options(args: &CompileArgs) -> emit::COptions {
+/// Returns the options of the translation to C for a single file. `sources` are the texts of the program.
+pub(crate) fn c_options(args: &CompileArgs, sources: &SourceMap) -> emit::COptions {
     let source = args.file.file_name().unwrap_or_default();
+    let texts = sources.files().map(|file| sources.text(file));
+    let hash = texts.fold(Fnv1a::new(), |hash, text| hash.with_bytes(text.as_bytes()));
     emit::COptions {
         period_ns: args.period,
         header: None,
         line_directives: args.line_directives,
         origin: format!(
-            "Compiled from {} by rpic {}.",
+            "Compiled from {} (hash of all texts: {:016x}) by rpic {}.",
             source.to_string_lossy(),
+            hash.finish(),
             env!("CARGO_PKG_VERSION")
         ),
     }

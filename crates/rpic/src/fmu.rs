@@ -15,7 +15,7 @@ pub(crate) fn write_fmu(
     sources: &SourceMap,
     args: &CompileArgs,
 ) -> CommandResult {
-    let fmu = emit::fmu(net, sources, &c_options(args))?;
+    let fmu = emit::fmu(net, sources, &c_options(args, sources))?;
     let compiler = CCompiler::new(&args.compiler.cc);
     let bytes = rpi_c_target::package(&fmu, &compiler)?;
     let path = args.output.clone();

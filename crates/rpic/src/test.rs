@@ -2,6 +2,7 @@
 
 use std::path::Path;
 
+use rpi_c_target::{CCompiler, ExternalBank};
 use rpi_diag::{Code, Diagnostic, Format, SourceMap, Span, with_noun};
 use rpi_driver::{ClaimPolicy, CompileOptions, Compiled, Input, Test};
 use rpi_image::image::TextRange;
@@ -153,6 +154,16 @@ fn run_file(
             tally.filtered_out += 1;
             continue;
         }
+        let unlinked = match args.execution.external[..] {
+            [] => rpi_driver::unlinked_functions(&test.net),
+            _ => Vec::new(),
+        };
+        if !unlinked.is_empty() {
+            out.say(&format!("FAIL {}: {}\n", file.display(), test.title))?;
+            out.add_diagnostics(&unlinked, &compiled.sources)?;
+            tally.failed += 1;
+            continue;
+        }
         let (report, difference) = report(test, args)?;
         let passed = report.passed() && difference.is_none();
         let word = if passed { "ok  " } else { "FAIL" };
@@ -183,6 +194,10 @@ fn report(test: &Test, args: &TestArgs) -> Result<(TestReport, Option<String>), 
     let in_title = |why: String| format!("{}: {why}", test.title);
     let in_c = TestInC::start(&image, &args.execution);
     let mut in_c = in_c.map_err(|why| in_title(why.to_string()))?;
+    let compiler = CCompiler::new(&args.execution.compiler.cc);
+    let files = &args.execution.external;
+    let bank = ExternalBank::without_devices(&image, files, &compiler);
+    let mut bank = bank.map_err(|why| in_title(why.to_string()))?;
     let case = TestCase {
         net: &test.net,
         coverage: args.coverage,
@@ -191,10 +206,13 @@ fn report(test: &Test, args: &TestArgs) -> Result<(TestReport, Option<String>), 
         claims: &others,
         cycles: args.cycles,
     };
-    let report = run_observed(case, &mut |instance| {
+    let report = run_observed(case, &mut bank, &mut |instance| {
         in_c.iter_mut().for_each(|in_c| in_c.cycle(instance));
     });
     let report = report.map_err(|why| in_title(why.to_string()))?;
+    if let Some(error) = bank.error().take() {
+        return Err(in_title(error.to_string()));
+    }
     Ok((report, in_c.and_then(TestInC::difference)))
 }
 

@@ -2,6 +2,7 @@
 
 use super::{ErrorLocation, Scope, Verifier};
 use crate::desc::PrimDesc;
+use crate::external::{ExternalFunction, ExternalPort};
 use crate::image::{Form, SlotRange, Step, TRUE};
 use crate::operands::{Operand, group_words, operand_layout};
 use alloc::vec::Vec;
@@ -190,6 +191,12 @@ impl Verifier<'_> {
         self.require(UsedPorts::mark_used(&mut used.functions, function), || {
             "device function is called twice".into()
         });
+        if let Some(external) = &f.external {
+            let fits = external.is_valid()
+                && has_lengths(&f.arguments, &external.inputs)
+                && has_lengths(&f.results, &external.outputs);
+            self.require(fits, || "values of an external function do not fit".into());
+        }
         f.arguments.iter().for_each(|c| self.check_read(*c));
         f.results.iter().for_each(|c| self.check_write(*c));
         if f.present != TRUE {
@@ -199,6 +206,12 @@ impl Verifier<'_> {
             });
         }
     }
+}
+
+/// Returns whether ranges have the lengths of the groups of values of ports.
+fn has_lengths(ranges: &[SlotRange], ports: &[ExternalPort]) -> bool {
+    let lens = ExternalFunction::group_lens(ports).map(|(_, len)| len);
+    lens.eq(ranges.iter().map(|r| r.len))
 }
 
 /// For each actuator port and each device function of an image, whether a step has already used it. A second use is an

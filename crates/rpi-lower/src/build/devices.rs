@@ -3,11 +3,12 @@
 use super::Builder;
 use super::compute::ports;
 use super::flows::{Flow, InputFlow};
-use super::port_names::device_port;
+use super::port_names::{self, device_port};
 use crate::flat_net::{self, OpKind, index};
 use crate::registers::{Region, Register};
-use rpi_image::image::SensorPort;
-use rpi_image::{DeviceUse, Presence, Scalar, Type};
+use rpi_image::external::{EXTERNAL_DEVICE, EXTERNAL_KINDS, ExternalFunction, ExternalPort};
+use rpi_image::image::{DevicePort, SensorPort};
+use rpi_image::{DeviceUse, Presence, Scalar, Type, Value};
 use rpi_net::NodeId;
 
 /// Adds the device ports that a sensor node reads to the sensor table, one for each out-port.
@@ -35,7 +36,7 @@ pub(super) fn actuator(builder: &mut Builder<'_>, id: NodeId, device: DeviceUse)
         concatenated_type(connected_types(&links)),
     );
     let outputs = builder.outputs(id, present);
-    let words = words(&links, &outputs);
+    let words = words(builder, id, &links, &outputs);
     let actuators = &mut builder.flat.tables.actuators;
     let number = index(actuators.len());
     let answers = device.responses;
@@ -50,7 +51,39 @@ pub(super) fn actuator(builder: &mut Builder<'_>, id: NodeId, device: DeviceUse)
 /// Adds the function of a node that calls a device function, such as inverse kinematics, to the function table, and the
 /// operation that calls it. Adds neither if an input is never present.
 pub(super) fn function(builder: &mut Builder<'_>, id: NodeId, device: DeviceUse) {
+    let types = builder.net.node(id).outputs.iter().copied();
+    let port = device_port(builder.net.node(id), device, 0, concatenated_type(types));
+    call(builder, id, port, None);
+}
+
+/// Adds the external function of a node, whose signature is the text parameter with this name, to the function table,
+/// and the operation that calls it. A node without a valid signature never has results.
+pub(super) fn external(builder: &mut Builder<'_>, id: NodeId, signature: &str) {
+    let node = builder.net.node(id);
+    let text = port_names::param(node, signature).and_then(Value::as_str);
+    let Some(external) = text.and_then(ExternalFunction::from_text) else {
+        return;
+    };
+    let port = DevicePort {
+        device: EXTERNAL_DEVICE.to_owned(),
+        port: external.symbol.clone(),
+        index: 0,
+        ty: concatenated_type(node.outputs.iter().copied()),
+    };
+    call(builder, id, port, Some(external));
+}
+
+fn call(
+    builder: &mut Builder<'_>,
+    id: NodeId,
+    port: DevicePort,
+    external: Option<ExternalFunction>,
+) {
     let links = builder.links(id);
+    let results = &builder.net.node(id).outputs;
+    if external.as_ref().is_some_and(|e| !fits(e, &links, results)) {
+        return;
+    }
     let Some((scope, present)) = builder.open_guard(id, &links, true) else {
         return;
     };
@@ -60,10 +93,8 @@ pub(super) fn function(builder: &mut Builder<'_>, id: NodeId, device: DeviceUse)
         .outputs
         .iter()
         .any(|o| o.presence == Presence::Maybe);
-    let types = builder.net.node(id).outputs.iter().copied();
-    let port = device_port(builder.net.node(id), device, 0, concatenated_type(types));
-    let mut words = words(&links, &outputs);
-    let inputs = index(words.len() - outputs.len());
+    let mut words = words(builder, id, &links, &outputs);
+    let inputs = index(connected(&links).count());
     let mut found = Register::TRUE;
     if maybe {
         found = builder.flat.registers.add(Region::Value, 1);
@@ -74,12 +105,25 @@ pub(super) fn function(builder: &mut Builder<'_>, id: NodeId, device: DeviceUse)
         port,
         may_fail: maybe,
         work: builder.desc(id).work,
+        external,
     });
     builder
         .flat
         .push(scope, OpKind::Call(number, inputs), &words, id.0);
     builder.close_guard(id, scope);
     restrict_presence(builder, id, &outputs, found);
+}
+
+/// Returns whether the values of a node are those of a signature, group by group. A program may write a call of the primitive
+/// itself, with any signature.
+fn fits(external: &ExternalFunction, links: &[InputFlow], results: &[Type]) -> bool {
+    let same = |types: &[Type], ports: &[ExternalPort]| {
+        let kinds = EXTERNAL_KINDS.iter();
+        let lens = kinds.map(|kind| ExternalFunction::group_len(ports, *kind));
+        lens.eq(types.iter().map(|ty| ty.slots()))
+    };
+    let arguments: Vec<Type> = links.iter().map(|l| l.ty).collect();
+    same(&arguments, &external.inputs) && same(results, &external.outputs)
 }
 
 /// Makes the presence of a node's out-ports also depend on the Boolean register `also`: a flow in `outputs` then is
@@ -101,13 +145,18 @@ fn restrict_presence(builder: &mut Builder<'_>, id: NodeId, outputs: &[Flow], al
 }
 
 /// Returns the operand words of a device access: the value registers of the connected in-ports, then those of the
-/// out-ports.
-fn words(links: &[InputFlow], outputs: &[Flow]) -> Vec<u32> {
-    let inputs = links.iter().filter(|l| !l.is_open).map(|l| l.flow);
-    inputs
-        .chain(outputs.iter().copied())
-        .map(|f| f.value.0)
-        .collect()
+/// out-ports. Empty arrays have none.
+fn words(builder: &Builder<'_>, id: NodeId, links: &[InputFlow], outputs: &[Flow]) -> Vec<u32> {
+    let types = builder.net.node(id).outputs.iter();
+    let results = outputs.iter().zip(types).filter(|(_, ty)| ty.slots() > 0);
+    let arguments = connected(links).map(|l| l.flow);
+    let flows = arguments.chain(results.map(|(flow, _)| *flow));
+    flows.map(|f| f.value.0).collect()
+}
+
+/// Returns the connected in-ports with at least one value.
+fn connected(links: &[InputFlow]) -> impl Iterator<Item = &InputFlow> {
+    links.iter().filter(|l| !l.is_open && l.ty.slots() > 0)
 }
 
 fn connected_types(links: &[InputFlow]) -> impl Iterator<Item = Type> {

@@ -101,6 +101,7 @@ impl<'a> Builder<'a> {
             Role::Sensor(device) => devices::sensor(self, id, device),
             Role::Actuator(device) => devices::actuator(self, id, device),
             Role::DeviceFunction(device) => devices::function(self, id, device),
+            Role::ExternalFunction(signature) => devices::external(self, id, signature),
             Role::Input => self.input_port(id),
             Role::Export => self.export(id),
             Role::Flow(flow) => self.flow(id, flow),

@@ -32,7 +32,8 @@ pub(super) fn device_port(node: &Node, device: DeviceUse, k: usize, ty: Type) ->
     }
 }
 
-fn param<'n>(node: &'n Node, name: &str) -> Option<&'n Value> {
+/// Returns the value of the parameter of a node with this name; `None` if it has none.
+pub(super) fn param<'n>(node: &'n Node, name: &str) -> Option<&'n Value> {
     node.params.get(node.desc().param(name)?)
 }
 

@@ -160,6 +160,7 @@ impl Writer<'_> {
                 .first()
                 .map_or(TRUE, |s| self.layouts.slot(Register(*s))),
             work: table.work,
+            external: table.external.clone(),
         };
         self.image.functions.push(function);
         let function = index(self.image.functions.len() - 1);

@@ -67,6 +67,7 @@ const FAMILIES: &[&[Prim]] = &[
     matrix::ALL,
     otg::ALL,
     rpi_ops::commands::ALL,
+    rpi_ops::external::ALL,
     rpi_ops::guarded::ALL,
     rpi_ops::int::ALL,
     rpi_ops::machine_int::ALL,

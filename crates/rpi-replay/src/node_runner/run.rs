@@ -4,11 +4,11 @@ use std::fmt;
 use std::sync::Arc;
 
 use rpi_core::{CycleContext, Instance, LoadError};
+use rpi_device::{DeviceBank, NoDevices};
 use rpi_image::Image;
 use rpi_image::image::Signal;
 use rpi_net::{Claim, Column};
 use rpi_prims::FaultCode;
-use rpi_sim::{Cell, SimBank};
 
 use crate::faults::ReportedFault;
 use crate::monitor::{ClaimMonitor, ExportValues};
@@ -43,7 +43,7 @@ impl std::error::Error for NodeLoadError {}
 /// A loaded node that is executed without devices, with the monitor of its claims.
 pub struct NodeRun {
     machine: Instance,
-    bank: SimBank,
+    bank: Box<dyn DeviceBank>,
     /// For each input column, the index of the image input with the same key; `None` if the image has no such input.
     inputs: Vec<Option<usize>>,
     outputs: Vec<Option<Signal>>,
@@ -63,8 +63,21 @@ impl NodeRun {
         shown: &[Column],
         claims: &[Claim],
     ) -> Result<NodeRun, NodeLoadError> {
+        NodeRun::load_with(image, Box::new(NoDevices), inputs, shown, claims)
+    }
+
+    /// Loads the image of a node as [`NodeRun::load`] does. `bank` has the external functions of the node.
+    ///
+    /// # Errors
+    /// Returns the load errors if the image cannot be loaded.
+    pub fn load_with(
+        image: Image,
+        mut bank: Box<dyn DeviceBank>,
+        inputs: &[Column],
+        shown: &[Column],
+        claims: &[Claim],
+    ) -> Result<NodeRun, NodeLoadError> {
         let image = Arc::new(image);
-        let mut bank = SimBank::new(&Cell::default(), image.period_ns as f64 * 1e-9);
         let input = |column: &Column| image.inputs.iter().position(|i| i.key == column.key);
         let export = |key: &str| image.exports.iter().find(|e| e.key == key).map(|e| e.value);
         let inputs = inputs.iter().map(input).collect();
@@ -75,7 +88,7 @@ impl NodeRun {
         };
         let claims = ClaimMonitor::new(claims, numbered);
         let exports = image.exports.iter().map(|e| e.value).collect();
-        let machine = Instance::load(Arc::clone(&image), &mut bank).map_err(NodeLoadError)?;
+        let machine = Instance::load(Arc::clone(&image), &mut *bank).map_err(NodeLoadError)?;
         Ok(NodeRun {
             machine,
             bank,
@@ -110,12 +123,12 @@ impl NodeRun {
             }
         }
         let number = self.machine.cycle();
-        self.machine.read(&mut self.bank, &now);
-        self.machine.evaluate(&mut self.bank);
+        self.machine.read(&mut *self.bank, &now);
+        self.machine.evaluate(&mut *self.bank);
         observe(&self.machine);
         let cycle = self.cycle_result(number);
         self.machine.commit();
-        self.machine.hand_over(&mut self.bank);
+        self.machine.hand_over(&mut *self.bank);
         cycle
     }
 

@@ -8,7 +8,7 @@ mod coverage;
 pub use coverage::Coverage;
 
 use rpi_core::{CycleContext, Instance, Verdict};
-use rpi_device::NoDevices;
+use rpi_device::{DeviceBank, NoDevices};
 use rpi_diag::{Diagnostic, FileId, Quote, Span};
 use rpi_image::Image;
 use rpi_image::image::{CommandEnd, CommandEndKind, Export, Signal, TextRange};
@@ -119,19 +119,20 @@ impl TestReport {
 /// # Errors
 /// Returns the load errors if the image cannot be loaded.
 pub fn run(case: TestCase<'_>) -> Result<TestReport, ImageLoadError> {
-    run_observed(case, &mut |_| {})
+    run_observed(case, &mut NoDevices, &mut |_| {})
 }
 
 /// Runs a test as [`run`] does, and passes the instance to `observe` in each cycle, after the evaluation and before the
-/// delays are stored.
+/// delays are stored. `bank` has the external functions of the test, if it calls any.
 ///
 /// # Errors
 /// Returns the load errors if the image cannot be loaded.
 pub fn run_observed(
     case: TestCase<'_>,
+    bank: &mut dyn DeviceBank,
     observe: &mut dyn FnMut(&Instance),
 ) -> Result<TestReport, ImageLoadError> {
-    let machine = Instance::load(case.image, &mut NoDevices).map_err(ImageLoadError)?;
+    let machine = Instance::load(case.image, bank).map_err(ImageLoadError)?;
     let finishes = can_finish(&machine.image().end);
     let noted = case.coverage.then_some(case.net);
     let coverage = noted.map(|net| Coverage::new(net, machine.image()));
@@ -141,7 +142,7 @@ pub fn run_observed(
     } else {
         DEFAULT_CYCLES
     });
-    let end = (0..cycles).find_map(|cycle| watch.cycle(cycle, observe));
+    let end = (0..cycles).find_map(|cycle| watch.cycle(cycle, bank, observe));
     Ok(watch.report(end.or(finishes.then_some(TestEnd::Unfinished))))
 }
 
@@ -204,8 +205,12 @@ impl TestRun {
 
     /// Executes the cycle of the test with this number, from 0. Returns how the test ended if it ended in this cycle,
     /// else `None`.
-    fn cycle(&mut self, cycle: u64, observe: &mut dyn FnMut(&Instance)) -> Option<TestEnd> {
-        let bank = &mut NoDevices;
+    fn cycle(
+        &mut self,
+        cycle: u64,
+        bank: &mut dyn DeviceBank,
+        observe: &mut dyn FnMut(&Instance),
+    ) -> Option<TestEnd> {
         self.machine
             .read(bank, &cycle_context(cycle, &self.machine));
         self.machine.evaluate(bank);

@@ -8,7 +8,11 @@ use rpi_image::{CommandFlow, PrimDesc, Role};
 /// trace.
 pub(super) fn is_input(desc: &PrimDesc) -> bool {
     match desc.role {
-        Role::Sensor(_) | Role::Actuator(_) | Role::DeviceFunction(_) | Role::Input => true,
+        Role::Sensor(_)
+        | Role::Actuator(_)
+        | Role::DeviceFunction(_)
+        | Role::ExternalFunction(_)
+        | Role::Input => true,
         Role::Flow(flow) => !is_computed_time(flow),
         Role::Compute
         | Role::Constant

@@ -39,6 +39,9 @@ pub(super) fn causes(net: &Net, history: &History, port: PortRef, cycle: u64) ->
         Role::Input => Causes::Root(format!("the input {}", view.text_parameter("Key"))),
         Role::Flow(flow) => Causes::Root(flow_text(flow).to_owned()),
         Role::DeviceFunction(_) => view.all_or(|| format!("the answer of {}", view.device_port())),
+        Role::ExternalFunction(_) => {
+            view.all_or(|| "the result of an external function".to_owned())
+        }
         Role::Actuator(_) | Role::Export | Role::IsAbsent => view.all(),
         Role::Compute => view.compute(port),
     }

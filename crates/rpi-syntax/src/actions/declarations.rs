@@ -60,7 +60,21 @@ pub(crate) fn node(
         contract: contract.map(|c| *c),
         definition,
         external_form: outside,
+        c_name: None,
     })
+}
+
+/// Builds an external function with its name in C: `extern function f (x: real) returns (y: real) = "c_name";`.
+pub(crate) fn external(
+    (modifier, kind): (Modifier, NodeKind),
+    signature: Signature,
+    c_name: Ident,
+    contract: Option<Box<Contract>>,
+) -> Box<NodeDecl> {
+    let form = ExternalForm::Extern;
+    let mut declared = node(modifier, kind, signature, contract, NodeDef::Extern, form);
+    declared.c_name = Some(c_name);
+    declared
 }
 
 /// Sets `clock` as the clock of all variables that have none, as in `(x: int; y: int) when c`.

@@ -154,6 +154,8 @@ pub struct NodeDecl {
     pub definition: NodeDef,
     /// Notation in which an external definition is written. Irrelevant for nodes with a body or alias.
     pub external_form: ExternalForm,
+    /// Name of an external function in C, `= "c_name"`; `None` if it has the name of the declaration.
+    pub c_name: Option<Ident>,
 }
 
 /// Modifier before `node` or `function`: whether callers see the body, and whether the node has side effects.

@@ -120,7 +120,10 @@ impl Dumper {
         let definition = match &decl.definition {
             NodeDef::Body(body) => self.body(body),
             NodeDef::Alias(callee) => list_node("alias", [self.callee(callee)]),
-            NodeDef::Extern => list_node("extern", [word(decl.external_form)]),
+            NodeDef::Extern => list_node(
+                "extern",
+                std::iter::once(word(decl.external_form)).chain(decl.c_name.iter().map(name)),
+            ),
         };
         let head = [
             word(decl.kind),

@@ -139,9 +139,17 @@ fn print_node(printer: &Printer<'_>, node: &NodeDecl) -> Doc {
         ]),
         NodeDef::Extern => concat([
             head,
+            c_name(node),
             word(";"),
             contract::print_contract(printer, node.contract.as_ref()),
         ]),
+    }
+}
+
+fn c_name(node: &NodeDecl) -> Doc {
+    match &node.c_name {
+        Some(name) => text(format!(" = {}", quote(&name.name))),
+        None => empty(),
     }
 }
 

@@ -12,7 +12,6 @@ fn name() -> impl Strategy<Value = Name> {
         "y'",
         "_",
         "arm",
-        "way",
         "speed",
         "none",
         "time",
@@ -437,6 +436,7 @@ fn item() -> impl Strategy<Value = Item> {
             contract: None,
             definition: NodeDef::Body(body),
             external_form: ExternalForm::NoBody,
+            c_name: None,
         });
     node.prop_map(|node| Item::from(ItemKind::Node(Box::new(node))))
 }

@@ -2,6 +2,7 @@
 
 pub(super) mod commands;
 mod devices;
+pub(super) mod external;
 pub(super) mod guarded;
 pub(super) mod int;
 pub(super) mod logic;

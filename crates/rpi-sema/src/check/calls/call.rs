@@ -17,11 +17,11 @@ use crate::check::calls::intrinsics::Intrinsic;
 use crate::check::calls::iterate;
 use crate::check::calls::prim;
 use crate::check::diagnostics::elsewhere;
-use crate::check::diagnostics::report;
 use crate::check::diagnostics::suggest_callee;
 use crate::check::exprs::names;
 use crate::check::exprs::proof_only;
 use crate::check::signatures::constraint;
+use crate::check::signatures::external;
 use crate::check::signatures::header;
 use crate::check::signatures::header::Header;
 use crate::check::signatures::instance;
@@ -36,7 +36,7 @@ use crate::program::{DeclId, DeclKind};
 use crate::ty::{Substitution, Ty};
 use crate::typed::{self, Equation, ExprId, FlowPresence, FlowRole, Target, TargetPlace, UnitKind};
 use crate::typed::{Activation, TypedKind};
-use rpi_diag::{Code, Diagnostic, Span};
+use rpi_diag::Span;
 use rpi_syntax::Name;
 use rpi_syntax::ast::{self, NodeDef};
 use std::rc::Rc;
@@ -309,7 +309,7 @@ fn add_call(
     if header.kind != UnitKind::Function {
         cx.record_state(span);
     }
-    report_extern_call(cx, header, span);
+    external::check_external_call(cx, header, span);
     let Some(unit) = unit::instantiate(cx.checker, header, span) else {
         return cx.error_expr(span);
     };
@@ -383,17 +383,4 @@ fn bind_to_flow(
     };
     cx.current_block().equations.push(equation);
     names::flow_expr(cx, flow, span)
-}
-
-/// Reports a call of a node that is declared without a body (`extern`), because it cannot be executed.
-fn report_extern_call(cx: &mut Body<'_, '_>, header: &Header, span: Span) {
-    if let DeclKind::Node(node) = cx.checker.program.decl(header.decl).kind
-        && matches!(node.definition, NodeDef::Extern)
-    {
-        let diagnostic = Diagnostic::new(Code::RPI1012, format!("`{}` has no body", header.name))
-            .primary(span, "an external node cannot be executed")
-            .secondary(header.span, "declared without a body")
-            .help("write a body `let ... tel` for it, or pass its results in as in-ports");
-        report::report_diagnostic(cx, diagnostic);
-    }
 }

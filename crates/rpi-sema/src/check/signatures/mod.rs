@@ -3,6 +3,7 @@
 pub(crate) mod alias;
 pub(crate) mod callable_args;
 pub(crate) mod constraint;
+pub(crate) mod external;
 pub(crate) mod generic;
 pub(crate) mod header;
 pub(crate) mod imported;

@@ -10,6 +10,7 @@ use crate::check::calls::prim;
 use crate::check::diagnostics::report;
 use crate::check::limits::nesting;
 use crate::check::signatures::alias;
+use crate::check::signatures::external;
 use crate::check::signatures::header;
 use crate::check::signatures::header::Header;
 use crate::check::signatures::header::unit_kind;
@@ -294,6 +295,9 @@ fn check_node<'a>(cx: &mut Body<'_, 'a>, node: &'a NodeDecl) {
         NodeDef::Extern => {
             let assumed = check_body_with(cx, node.contract.as_ref(), None);
             assumptions::check_assumptions(cx, &assumed, &[]);
+            if node.kind == NodeKind::Function && node.modifier != Modifier::Unsafe {
+                external::add_external_body(cx, node);
+            }
         }
     }
     cx.unit.has_state = cx.first_state_span.is_some();
