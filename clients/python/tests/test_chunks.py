@@ -268,8 +268,9 @@ class ChunkTest(ArmTest):
                     seen.append((observation.remaining, observation.values["belt_velocity"]))
                     if observation.accepted and observation.remaining < 0.1:
                         break
+                # A loaded machine may leave out the first observations.
                 early = [velocity for remaining, velocity in seen if remaining > 0.75]
-                self.assertEqual(set(early), {0.0})
+                self.assertLessEqual(set(early), {0.0})
                 self.assertAlmostEqual(seen[-1][1], 0.1, delta=1e-3)
 
         await self.with_arm(work)

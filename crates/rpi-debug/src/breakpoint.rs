@@ -35,8 +35,8 @@ pub struct Breakpoint {
 /// A breakpoint that a command has reached.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub struct Hit {
-    /// Index of the breakpoint in the list of the search.
-    pub breakpoint: usize,
+    /// Index of the breakpoint in the list of the search; `None` for a fault of the command.
+    pub breakpoint: Option<usize>,
     /// Command that has reached it.
     pub command: CommandId,
 }
@@ -63,13 +63,19 @@ impl<'b> BreakpointWatch<'b> {
         }
     }
 
-    /// Takes a cycle of a command with this table, and adds the breakpoints that it reaches to `hits`.
+    /// Takes a cycle of a command with this table, and adds the breakpoints that it reaches, and a fault, to `hits`.
     pub(crate) fn observe(
         &mut self,
         (id, instance): (CommandId, &Instance),
         (index, table): (usize, &FlowTable),
         hits: &mut Vec<Hit>,
     ) {
+        if instance.fault().is_some() {
+            hits.push(Hit {
+                breakpoint: None,
+                command: id,
+            });
+        }
         for (k, breakpoint) in self.breakpoints.iter().enumerate() {
             if breakpoint.table != index {
                 continue;
@@ -80,7 +86,7 @@ impl<'b> BreakpointWatch<'b> {
             let is_known = before.is_some() || instance.cycle() == 0;
             if is_known && is_reached(&breakpoint.trigger, before.as_ref(), &now) {
                 hits.push(Hit {
-                    breakpoint: k,
+                    breakpoint: Some(k),
                     command: id,
                 });
             }

@@ -3,7 +3,7 @@
 use std::fmt;
 use std::ops::ControlFlow;
 use std::sync::Arc;
-use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::atomic::{AtomicUsize, Ordering};
 
 use rpi_core::{Command, CommandId};
 use rpi_driver::Compiled;
@@ -13,7 +13,7 @@ use rpi_syntax::Dialect;
 use crate::breakpoint::{Breakpoint, BreakpointWatch, Hit};
 use crate::flow_table::FlowTable;
 use crate::insertion::insertion_point;
-use crate::program::{RecordedProgram, RecordedProgramError};
+use crate::program::{ALL_FLOWS, CompiledForReplay, RecordedProgram, RecordedProgramError};
 use crate::stop::{RunningCommand, Stop};
 
 /// First letters of the names of flows that the debugger adds to a program.
@@ -38,6 +38,10 @@ pub enum DebugError {
     TooManyExpressions(usize),
     /// The replay computes other values than the run did; what differs.
     Differs(String),
+    /// An expression changes the run, because it faults or uses devices; what differs.
+    ChangesRun(String),
+    /// An expression reads a sensor that was not recorded, because the program did not read it; its name.
+    NotRecorded(String),
 }
 
 impl fmt::Display for DebugError {
@@ -58,6 +62,14 @@ impl fmt::Display for DebugError {
             DebugError::Differs(what) => {
                 write!(f, "the replay differs from the recording: {what}")
             }
+            DebugError::ChangesRun(what) => write!(
+                f,
+                "the expression would change the run: it faults (by a division by zero, an overflow or an index), or uses a device: {what}"
+            ),
+            DebugError::NotRecorded(sensor) => write!(
+                f,
+                "the recording has no values of {sensor}, because the program did not read it"
+            ),
         }
     }
 }
@@ -87,6 +99,13 @@ struct Expression {
     text: String,
 }
 
+/// A recording that is replayed with a program.
+struct Replay {
+    compiled: Compiled,
+    tables: Vec<FlowTable>,
+    timeline: ReplayTimeline,
+}
+
 /// A recording that is debugged: a position in it, the values there, and the expressions that are evaluated with the program.
 pub struct Debugger {
     /// The recording as it was read, with its own images.
@@ -95,12 +114,10 @@ pub struct Debugger {
     longest_period: u64,
     program: RecordedProgram,
     expressions: Vec<Expression>,
-    compiled: Compiled,
-    tables: Vec<FlowTable>,
-    timeline: ReplayTimeline,
+    replay: Replay,
     stop: Stop,
-    /// Whether a search is to end where it is.
-    interrupt: Arc<AtomicBool>,
+    /// Number of requests that end a search where it is.
+    interrupt: Arc<AtomicUsize>,
 }
 
 impl Debugger {
@@ -109,15 +126,12 @@ impl Debugger {
     /// # Errors
     /// Returns an error if the program is not the one that was recorded, or if the recording cannot be replayed.
     pub fn new(original: Recording, program: RecordedProgram) -> Result<Debugger, DebugError> {
-        let (compiled, tables, timeline) = replay(&original, &program, None)?;
         let mut debugger = Debugger {
             longest_period: original.longest_period(),
+            replay: Replay::new(&original, &program, None)?,
             original,
             program,
             expressions: Vec::new(),
-            compiled,
-            tables,
-            timeline,
             stop: Stop::default(),
             interrupt: Arc::default(),
         };
@@ -125,9 +139,15 @@ impl Debugger {
         Ok(debugger)
     }
 
-    /// Makes the searches of the debugger end where they are, as soon as the flag is set by another thread.
-    pub fn interrupt_by(&mut self, flag: Arc<AtomicBool>) {
-        self.interrupt = flag;
+    /// Makes the searches of the debugger end where they are while the number, which other threads change, is not 0.
+    pub fn interrupt_by(&mut self, requests: Arc<AtomicUsize>) {
+        self.interrupt = requests;
+    }
+
+    /// Returns whether a search is to end where it is.
+    #[must_use]
+    pub fn is_interrupted(&self) -> bool {
+        self.interrupt.load(Ordering::Relaxed) > 0
     }
 
     /// Returns the program that is debugged.
@@ -139,13 +159,13 @@ impl Debugger {
     /// Returns the compiled program, with the sources to which all places refer.
     #[must_use]
     pub fn compiled(&self) -> &Compiled {
-        &self.compiled
+        &self.replay.compiled
     }
 
     /// Returns the flows of all commands.
     #[must_use]
     pub fn tables(&self) -> &[FlowTable] {
-        &self.tables
+        &self.replay.tables
     }
 
     /// Returns the values at the present position.
@@ -164,11 +184,34 @@ impl Debugger {
     /// of the node that has it.
     pub fn flows_of(&self, id: ExpressionId, table: usize) -> impl Iterator<Item = usize> + '_ {
         let name = format!("{ADDED}{}", id.0);
-        let flows = self.tables.get(table).into_iter().flat_map(|t| &t.flows);
-        flows
+        let flows = self.replay.tables.get(table).map_or(&[][..], |t| &t.flows);
+        let is_whole = |path: &str| path.rsplit('.').next() == Some(&name);
+        // The flows of a call have names inside of that of its result.
+        let has_whole = flows.iter().any(|flow| is_whole(&flow.path));
+        let flows = flows
+            .iter()
             .enumerate()
-            .filter(move |(_, flow)| added_name(&flow.path) == Some(&name))
-            .map(|(k, _)| k)
+            .filter(|(_, flow)| match has_whole {
+                true => is_whole(&flow.path),
+                false => added_name(&flow.path) == Some(&name),
+            });
+        let flows: Vec<usize> = flows.map(|(k, _)| k).collect();
+        flows.into_iter()
+    }
+
+    /// Returns the indices of the flows that a command evaluates in the present cycle, in order.
+    #[must_use]
+    pub fn equations(&self, id: CommandId) -> Vec<usize> {
+        let mut commands = self.stop.commands.iter();
+        let Some(command) = commands.find(|command| command.id == id) else {
+            return Vec::new();
+        };
+        let table = &self.replay.tables[command.table];
+        let evaluated = table.flows.iter().enumerate().filter(|(k, flow)| {
+            let is_present = command.values[*k].is_some();
+            is_present && !Debugger::is_added(&flow.path) && !flow.span.is_none()
+        });
+        evaluated.map(|(k, _)| k).collect()
     }
 
     /// Returns whether a flow was added by the debugger.
@@ -182,12 +225,12 @@ impl Debugger {
     /// # Errors
     /// Returns an error if the recording is damaged, or differs from its replay.
     pub fn go_to(&mut self, tick: u64) -> Result<bool, DebugError> {
-        self.timeline.seek(tick)?;
+        self.replay.timeline.seek(tick)?;
         if self.capture()? {
             return Ok(true);
         }
-        let end = self.timeline.now();
-        self.timeline.seek(end.saturating_sub(1))?;
+        let end = self.replay.timeline.now();
+        self.replay.timeline.seek(end.saturating_sub(1))?;
         self.capture()?;
         Ok(false)
     }
@@ -207,7 +250,7 @@ impl Debugger {
         match found {
             Some((tick, hits)) => self.go_to(tick).map(|_| hits),
             None => {
-                let last = self.timeline.now().saturating_sub(1);
+                let last = self.replay.timeline.now().saturating_sub(1);
                 self.go_to(last).map(|_| Vec::new())
             }
         }
@@ -221,7 +264,7 @@ impl Debugger {
     pub fn run_backwards(&mut self, breakpoints: &[Breakpoint]) -> Result<Vec<Hit>, DebugError> {
         let (mut end, mut length) = (self.stop.tick, FIRST_SEARCH);
         while end > 0 {
-            if self.interrupt.load(Ordering::Relaxed) {
+            if self.is_interrupted() {
                 return self.go_to(end).map(|_| Vec::new());
             }
             let start = end.saturating_sub(length);
@@ -244,12 +287,12 @@ impl Debugger {
     /// # Errors
     /// Returns an error if the recording is damaged, or differs from its replay.
     pub fn last_cycle(&mut self, id: CommandId) -> Result<u64, DebugError> {
-        self.timeline.seek(self.stop.tick)?;
+        self.replay.timeline.seek(self.stop.tick)?;
         let (mut last, mut period) = (self.stop.tick, 1);
-        while !self.interrupt.load(Ordering::Relaxed) {
+        while !self.is_interrupted() {
             let mut runs = false;
             let tick_ns = self.original.tick_ns;
-            let stepped = self.timeline.step(&mut |_, running, command| {
+            let stepped = self.replay.timeline.step(&mut |_, running, command| {
                 if running == id {
                     runs = true;
                     period = command.instance().image().period_ns / tick_ns;
@@ -273,14 +316,17 @@ impl Debugger {
         take: &mut dyn FnMut(u64, &[Hit]) -> ControlFlow<()>,
     ) -> Result<(), DebugError> {
         // The last cycle of each command before is replayed, too: an event is a difference from it.
-        self.timeline
+        self.replay
+            .timeline
             .seek(from.saturating_sub(self.longest_period))?;
-        let tables = &self.tables;
         let mut watch = BreakpointWatch::new(breakpoints);
         let mut hits = Vec::new();
-        while self.timeline.now() < to && !self.interrupt.load(Ordering::Relaxed) {
+        while self.replay.timeline.now() < to && !self.is_interrupted() {
             hits.clear();
-            let stepped = self.timeline.step(&mut |_, id, command| {
+            let Replay {
+                tables, timeline, ..
+            } = &mut self.replay;
+            let stepped = timeline.step(&mut |_, id, command| {
                 if let Some(table) = table_of(tables, command) {
                     watch.observe((id, command.instance()), (table, &tables[table]), &mut hits);
                 }
@@ -296,32 +342,13 @@ impl Debugger {
         Ok(())
     }
 
-    /// Adds expressions of the language to the program, each evaluated with the equations of a line of the program, and replays the
-    /// recording up to the present position. An expression that does not compile is left out.
+    /// Adds an expression of the language to the program, which is evaluated with the equations of a line, and replays the recording
+    /// up to the present position.
     ///
     /// # Errors
-    /// Returns an error for each expression that does not compile; the whole result is an error if the recording cannot be replayed.
-    pub fn add_expressions(
-        &mut self,
-        wanted: &[(u32, &str)],
-    ) -> Result<Vec<Result<ExpressionId, DebugError>>, DebugError> {
-        let known = self.expressions.clone();
-        let mut added: Vec<Result<ExpressionId, DebugError>> = Vec::new();
-        for (line, text) in wanted {
-            added.push(self.check_expression(*line, text));
-        }
-        if self.expressions != known {
-            let tick = self.stop.tick;
-            let text = self.text_with(&self.expressions)?;
-            let replayed = replay(&self.original, &self.program, Some(text))?;
-            (self.compiled, self.tables, self.timeline) = replayed;
-            self.go_to(tick)?;
-        }
-        Ok(added)
-    }
-
-    /// Adds an expression to the list if the program compiles with it.
-    fn check_expression(&mut self, line: u32, text: &str) -> Result<ExpressionId, DebugError> {
+    /// Returns an error, and keeps everything as it is, if the expression does not compile, if it changes the run (because it faults or
+    /// uses the devices), or if it reads a sensor that was not recorded.
+    pub fn add_expression(&mut self, line: u32, text: &str) -> Result<ExpressionId, DebugError> {
         let expression = Expression {
             line,
             text: text.to_owned(),
@@ -334,9 +361,51 @@ impl Debugger {
         }
         // Alone, so that the errors are those of this expression.
         let alone = self.text_with(std::slice::from_ref(&expression))?;
-        self.program.check(alone)?;
+        self.program.check(alone, self.original.tick_ns)?;
         self.expressions.push(expression);
+        let tick = self.stop.tick;
+        match self.replay_with_expressions(tick) {
+            Ok(replay) => self.replay = replay,
+            Err(error) => {
+                self.expressions.pop();
+                return Err(error);
+            }
+        }
+        self.capture()?;
         Ok(ExpressionId(self.expressions.len() - 1))
+    }
+
+    /// Prepares a replay with the expressions that is before a tick, and has replayed it once.
+    fn replay_with_expressions(&mut self, tick: u64) -> Result<Replay, DebugError> {
+        let text = self.text_with(&self.expressions)?;
+        let mut replay = Replay::new(&self.original, &self.program, Some(text))?;
+        replay.timeline.seek(tick + 1)?;
+        if let Some(difference) = &replay.timeline.report().difference {
+            return Err(DebugError::ChangesRun(difference.to_string()));
+        }
+        let known = self.replay.timeline.unrecorded();
+        let mut read = replay.timeline.unrecorded().into_iter();
+        if let Some(sensor) = read.find(|sensor| !known.contains(sensor)) {
+            return Err(DebugError::NotRecorded(sensor));
+        }
+        replay.timeline.seek(tick)?;
+        Ok(replay)
+    }
+
+    /// Returns whether expressions are evaluated with the program.
+    #[must_use]
+    pub fn has_expressions(&self) -> bool {
+        !self.expressions.is_empty()
+    }
+
+    /// Drops all expressions and goes to a tick.
+    ///
+    /// # Errors
+    /// Returns an error if the recording is damaged, or differs from its replay.
+    pub fn drop_expressions(&mut self, tick: u64) -> Result<(), DebugError> {
+        self.expressions.clear();
+        self.replay = Replay::new(&self.original, &self.program, None)?;
+        self.go_to(tick).map(drop)
     }
 
     /// Returns the text of the program with an equation for each expression.
@@ -354,7 +423,7 @@ impl Debugger {
     }
 
     fn go_to_first_cycle(&mut self) -> Result<(), DebugError> {
-        self.timeline.seek(0)?;
+        self.replay.timeline.seek(0)?;
         while self.capture()? {
             if !self.stop.commands.is_empty() {
                 return Ok(());
@@ -365,9 +434,11 @@ impl Debugger {
 
     /// Replays the next tick and keeps its values. Returns false at the end, where the values of the last tick are kept.
     fn capture(&mut self) -> Result<bool, DebugError> {
-        let tables = &self.tables;
+        let Replay {
+            tables, timeline, ..
+        } = &mut self.replay;
         let mut commands = Vec::new();
-        let stepped = self.timeline.step(&mut |_, id, command| {
+        let stepped = timeline.step(&mut |_, id, command| {
             if let Some(table) = table_of(tables, command) {
                 let values = RunningCommand::new(id, command.instance(), (table, &tables[table]));
                 commands.push(values);
@@ -381,7 +452,7 @@ impl Debugger {
     }
 
     fn check(&self) -> Result<(), DebugError> {
-        match &self.timeline.report().difference {
+        match &self.replay.timeline.report().difference {
             Some(difference) => Err(DebugError::Differs(difference.to_string())),
             None => Ok(()),
         }
@@ -393,28 +464,33 @@ fn added_name(path: &str) -> Option<&str> {
     path.split(['.', '[']).find(|name| name.starts_with(ADDED))
 }
 
-/// Returns the index of the table of a command.
+/// Returns the index of the table of a command; `None` for a command of another program.
 fn table_of(tables: &[FlowTable], command: &Command) -> Option<usize> {
-    let name = &command.instance().image().name;
-    tables.iter().position(|table| table.command == *name)
+    let image = command.instance().image();
+    tables.iter().position(|table| table.is_of(image))
 }
 
-/// Compiles a program, with `text` in place of its own, and prepares the replay of a recording with all its flows.
-fn replay(
-    original: &Recording,
-    program: &RecordedProgram,
-    text: Option<String>,
-) -> Result<(Compiled, Vec<FlowTable>, ReplayTimeline), DebugError> {
-    let mut recording = original.clone();
-    let commands = program.commands()?;
-    let lower = rpi_driver::lower_for_observation;
-    let compiled = program.compile(&mut recording, (&commands, text), lower)?;
-    let period = recording.tick_ns;
-    let mut tables = Vec::new();
-    for net in compiled.nets() {
-        let image = lower(net, period).map_err(RecordedProgramError::Lower)?;
-        tables.push(FlowTable::new(net, &image));
+impl Replay {
+    /// Compiles a program, with `text` in place of its own, and prepares the replay of a recording with all its flows.
+    fn new(
+        original: &Recording,
+        program: &RecordedProgram,
+        text: Option<String>,
+    ) -> Result<Replay, DebugError> {
+        let mut recording = original.clone();
+        let all = [ALL_FLOWS.to_owned()];
+        let lower = rpi_driver::lower_for_observation_in_tick;
+        let CompiledForReplay { compiled, images } =
+            program.compile(&mut recording, (&all, text), lower)?;
+        let tables = images.iter().map(|(net, image)| {
+            let net = &compiled.nets()[*net];
+            FlowTable::new(net, Arc::clone(image))
+        });
+        let tables = tables.collect();
+        Ok(Replay {
+            tables,
+            compiled,
+            timeline: ReplayTimeline::new(Arc::new(recording))?,
+        })
     }
-    let timeline = ReplayTimeline::new(Arc::new(recording))?;
-    Ok((compiled, tables, timeline))
 }

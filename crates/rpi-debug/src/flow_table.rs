@@ -1,7 +1,9 @@
 //! The named flows of a command, in the order of their evaluation.
 
 use std::collections::BTreeMap;
+use std::sync::Arc;
 
+use crate::debugger::Debugger;
 use rpi_diag::Span;
 use rpi_driver::AnalysedNet;
 use rpi_image::Type;
@@ -41,8 +43,10 @@ pub struct NamedFragment {
 }
 
 /// The named flows and the fragments of a command.
-#[derive(Clone, PartialEq, Debug)]
+#[derive(Clone, Debug)]
 pub struct FlowTable {
+    /// Image whose instances have these flows.
+    image: Arc<Image>,
     /// Name of the command.
     pub command: String,
     /// Flows in the order in which they are evaluated.
@@ -55,9 +59,10 @@ impl FlowTable {
     /// Collects the flows of a command whose flows are all exported. The image must have been made of the net, with all ports
     /// observable.
     #[must_use]
-    pub fn new(net: &AnalysedNet, image: &Image) -> FlowTable {
-        let fragments = named_fragments(net, image);
-        let order = evaluation_order(net, image);
+    pub fn new(net: &AnalysedNet, image: Arc<Image>) -> FlowTable {
+        let fragments = named_fragments(net, &image);
+        let order = evaluation_order(net, &image);
+        let steps = first_steps(&image);
         let probes: BTreeMap<(u32, &str), usize> = (0..)
             .zip(&image.debug.probes)
             .map(|(k, probe)| ((probe.location, probe.port.as_str()), k))
@@ -71,7 +76,11 @@ impl FlowTable {
             let equation = order.get(&path);
             Some(Flow {
                 fragment: innermost(&fragments, &path),
-                order: equation.map_or(0, |(step, _)| *step),
+                order: match equation {
+                    Some((step, _)) => *step,
+                    // Another name of a flow, or an input.
+                    None => steps.get(&probe.location).copied().unwrap_or(0),
+                },
                 path,
                 ty: probe.value.ty,
                 signal: probe.value,
@@ -86,7 +95,14 @@ impl FlowTable {
             command: net.name.clone(),
             flows,
             fragments,
+            image,
         }
+    }
+
+    /// Returns whether the flows are those of the instances of an image.
+    #[must_use]
+    pub fn is_of(&self, image: &Arc<Image>) -> bool {
+        Arc::ptr_eq(&self.image, image)
     }
 
     /// Returns the index of the flow for which a name stands in a fragment: of the flow there, else in a fragment around it, else of the
@@ -125,6 +141,15 @@ impl FlowTable {
             .max_by_key(|(_, fragment)| fragment.depth)
             .map(|(k, _)| k)
     }
+}
+
+/// Returns for each node the index of the first step that belongs to it.
+fn first_steps(image: &Image) -> BTreeMap<u32, usize> {
+    let mut steps = BTreeMap::new();
+    for (step, location) in image.debug.step_locations.iter().enumerate() {
+        steps.entry(*location).or_insert(step);
+    }
+    steps
 }
 
 /// Returns for each flow that a node of the net computes, by its path, the index of the last step for it and the place of its equation.
@@ -174,7 +199,10 @@ fn named_fragments(net: &Net, image: &Image) -> Vec<NamedFragment> {
             image_fragment: in_image.get(&id.0).copied(),
         }
     });
-    named.collect()
+    // Those of expressions are not shown, so that the others keep their indices.
+    named
+        .filter(|fragment| !Debugger::is_added(&fragment.path))
+        .collect()
 }
 
 fn is_named(net: &Net, id: FragmentId) -> bool {

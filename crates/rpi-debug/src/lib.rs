@@ -29,6 +29,6 @@ pub use breakpoint::{Breakpoint, Hit, Trigger};
 pub use dap::{Launch, serve};
 pub use debugger::{DebugError, Debugger, ExpressionId};
 pub use flow_table::{Flow, FlowTable};
-pub use program::{Lowering, RecordedProgram, RecordedProgramError};
+pub use program::{ALL_FLOWS, CompiledForReplay, Lowering, RecordedProgram, RecordedProgramError};
 pub use stop::{RunningCommand, Stop};
 pub use terminal::terminal;

@@ -77,8 +77,20 @@ impl From<LowerError> for RecordedProgramError {
     }
 }
 
-/// How nets are lowered to the images of a replay, for a period of the cycle in ns.
-pub type Lowering = fn(&AnalysedNet, u64) -> Result<Image, LowerError>;
+/// Name that stands for all flows of all commands.
+pub const ALL_FLOWS: &str = "";
+
+/// How nets are lowered to the images of a replay, for a period of the cycle and a tick, both in ns.
+pub type Lowering = fn(&AnalysedNet, u64, u64) -> Result<Image, LowerError>;
+
+/// A program that was compiled for a replay.
+#[derive(Debug)]
+pub struct CompiledForReplay {
+    /// Program with its nets and sources.
+    pub compiled: Compiled,
+    /// Images that have replaced those of the recording, each with the index of its net in the program.
+    pub images: Vec<(usize, Arc<Image>)>,
+}
 
 /// Program of a recording: its text and the options with which it was compiled.
 #[derive(Clone, Debug)]
@@ -142,7 +154,7 @@ impl RecordedProgram {
         Ok(self.input.text()?)
     }
 
-    /// Compiles the program again, with the flows called `names` exported and with `text` in place of its text, and replaces the images
+    /// Compiles the program again, with the flows called `names` exported ([`ALL_FLOWS`] for all) and with `text` in place of its text, and replaces the images
     /// of the recording by those that `lower` makes. Returns the program.
     ///
     /// # Errors
@@ -152,39 +164,45 @@ impl RecordedProgram {
         recording: &mut Recording,
         (names, text): (&[String], Option<String>),
         lower: Lowering,
-    ) -> Result<Compiled, RecordedProgramError> {
+    ) -> Result<CompiledForReplay, RecordedProgramError> {
         let plain = self.compile_text(None, &[])?;
         let changed = self.compile_text(text, names)?;
-        let period = recording.tick_ns;
+        let tick = recording.tick_ns;
         let mut images = Vec::new();
-        for (plain, changed) in plain.nets().iter().zip(changed.nets()) {
-            let (recorded, _) = rpi_driver::lower_with_work(plain, period)?;
-            images.push((recorded, Arc::new(lower(changed, period)?)));
+        for period in recording.periods() {
+            for (plain, changed) in plain.nets().iter().zip(changed.nets()) {
+                let (recorded, _) = rpi_driver::lower_for_tick(plain, period, tick)?;
+                images.push((recorded, Arc::new(lower(changed, period, tick)?)));
+            }
         }
-        match recording.watch(&images) {
-            0 => Err(RecordedProgramError::OtherProgram {
+        let replaced = recording.watch(&images);
+        if replaced.is_empty() {
+            return Err(RecordedProgramError::OtherProgram {
                 path: self.input.path.clone(),
                 is_stored: self.is_stored,
-            }),
-            _ => Ok(changed),
+            });
         }
+        let nets = changed.nets().len();
+        let replaced = replaced.into_iter().map(|index| {
+            let (_, image) = &images[index];
+            (index % nets, Arc::clone(image))
+        });
+        Ok(CompiledForReplay {
+            images: replaced.collect(),
+            compiled: changed,
+        })
     }
 
-    /// Returns the names of the commands.
-    ///
-    /// # Errors
-    /// Returns an error if the program does not compile.
-    pub fn commands(&self) -> Result<Vec<String>, RecordedProgramError> {
-        let compiled = self.compile_text(None, &[])?;
-        Ok(compiled.nets().iter().map(|net| net.name.clone()).collect())
-    }
-
-    /// Compiles the program with `text` in place of its text.
+    /// Compiles the program with `text` in place of its text, and with all flows exported.
     ///
     /// # Errors
     /// Returns an error if it does not compile.
-    pub fn check(&self, text: String) -> Result<(), RecordedProgramError> {
-        self.compile_text(Some(text), &[]).map(drop)
+    pub fn check(&self, text: String, period: u64) -> Result<(), RecordedProgramError> {
+        let compiled = self.compile_text(Some(text), &[ALL_FLOWS.to_owned()])?;
+        for net in compiled.nets() {
+            rpi_driver::lower_for_observation(net, period)?;
+        }
+        Ok(())
     }
 
     fn compile_text(

@@ -2,6 +2,8 @@
 
 use rpi_core::{CommandId, Instance};
 
+use rpi_runtime::run::fault_text;
+
 use crate::flow_table::FlowTable;
 
 /// Place in a run: a tick, and what the commands computed in it.
@@ -26,6 +28,8 @@ pub struct RunningCommand {
     pub values: Vec<Option<Box<[u64]>>>,
     /// For each fragment of the table, whether it is active.
     pub active: Vec<bool>,
+    /// The fault that ends the command in this cycle, if there is one, as text.
+    pub fault: Option<&'static str>,
 }
 
 impl RunningCommand {
@@ -52,6 +56,7 @@ impl RunningCommand {
             cycle: instance.cycle(),
             values: table.flows.iter().map(value).collect(),
             active: is_active.collect(),
+            fault: instance.fault().map(|fault| fault_text(fault.code)),
         }
     }
 

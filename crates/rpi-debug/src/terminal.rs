@@ -2,7 +2,7 @@
 
 use std::collections::VecDeque;
 use std::io::{BufRead, Write};
-use std::sync::{Arc, atomic::AtomicBool};
+use std::sync::{Arc, atomic::AtomicUsize};
 
 use serde_json::{Value, json};
 
@@ -44,7 +44,7 @@ pub fn terminal(
     is_terminal: bool,
 ) -> Result<(), Box<dyn std::error::Error>> {
     let mut terminal = Terminal {
-        session: Session::new(Vec::new(), launch, Arc::new(AtomicBool::new(false))),
+        session: Session::new(Vec::new(), launch, Arc::new(AtomicUsize::new(0))),
         events: VecDeque::new(),
         lines: Vec::new(),
         flows: Vec::new(),
@@ -114,8 +114,7 @@ impl Terminal<'_> {
 
     fn movement(&mut self, command: &str, rest: &str) -> Result<(), LineError> {
         let request = match command {
-            "n" | "next" => "next",
-            "b" | "back" => "stepBack",
+            "n" | "next" | "b" | "back" => "rpi/move",
             "s" | "step" => "stepIn",
             "c" | "continue" => "continue",
             "r" | "reverse" => "reverseContinue",
@@ -128,6 +127,16 @@ impl Terminal<'_> {
                 .parse()
                 .map_err(|_| format!("`{rest}` is not a number"))?,
         };
+        if request == "rpi/move" {
+            let forwards = matches!(command, "n" | "next");
+            let ticks = if forwards {
+                i64::from(times)
+            } else {
+                -i64::from(times)
+            };
+            self.request(request, json!({ "ticks": ticks }))?;
+            return Ok(());
+        }
         for _ in 0..times {
             self.request(request, json!({ "threadId": self.thread }))?;
         }

@@ -69,7 +69,8 @@ pub use file_loader::{DiskLoader, FileLoader};
 pub use input::{Input, InputError, InputKind, read, read_error, utf8};
 pub use inspect::{Inspection, inspect};
 pub use lowering::{
-    LowerError, lower_for_execution, lower_for_observation, lower_for_tick, lower_with_work,
+    LowerError, lower_for_execution, lower_for_observation, lower_for_observation_in_tick,
+    lower_for_tick, lower_with_work,
 };
 pub use machine::{MACHINE, MachineError, machine_text, read_machine};
 pub use modules::{library_modules, library_text};

@@ -48,6 +48,19 @@ pub fn lower_for_observation(net: &AnalysedNet, period_ns: u64) -> Result<Image,
     lower(net, &LowerOptions::observed(period_ns))
 }
 
+/// Lowers a net to an image in which every port can be observed, for a core whose tick (`tick_ns`) may be shorter than the period of
+/// the command (`period_ns`), both in nanoseconds.
+///
+/// # Errors
+/// If the net is too large.
+pub fn lower_for_observation_in_tick(
+    net: &AnalysedNet,
+    period_ns: u64,
+    tick_ns: u64,
+) -> Result<Image, LowerError> {
+    lower(net, &LowerOptions::observed(period_ns).with_tick(tick_ns))
+}
+
 /// Lowers a net to an image. `options` set the period, the tick and the ports that can be observed.
 pub(crate) fn lower(net: &AnalysedNet, options: &LowerOptions<'_>) -> Result<Image, LowerError> {
     rpi_lower::lower(net, &net.plan(), options)

@@ -108,7 +108,9 @@ fn build_roots(
         let analysed = analysed.filter(|_| !args.contains(&Argument::Unknown));
         match (kind, analysed) {
             (UnitKind::Command, Some(analysed)) => {
-                let net = command_net(front, *unit, &args, analysed, (options, &watch), found);
+                let names = [&*checked.unit(*unit).name];
+                let options = (options, &watch);
+                let net = command_net(front, (*unit, &names), &args, analysed, options, found);
                 roots.nets.extend(net);
             }
             (UnitKind::Test, Some(analysed)) => {
@@ -147,23 +149,23 @@ fn instance_net(
     let found = instances.add_instance(unit, run);
     let analysed = elaborate_and_analyse(front, unit, &args, found)?;
     front.reports.rename_last(&name);
-    let net = command_net(front, unit, &args, analysed, options, found)?;
+    let names = [name.as_str(), &front.checked.unit(unit).name];
+    let net = command_net(front, (unit, &names), &args, analysed, options, found)?;
     Some(net.with_name(name))
 }
 
-/// Returns the net of an analysed command with the requested treatment of its claims (assertions and contracts), and with the
+/// Returns the net of an analysed command, which users know by `names`, with the requested treatment of its claims (assertions and contracts), and with the
 /// exports of watched flows. It is compiled again if this makes a difference.
 fn command_net(
     front: &AnalysedProgram<'_>,
-    unit: UnitId,
+    (unit, names): (UnitId, &[&str]),
     args: &[Argument],
     analysed: AnalysedUnit,
     (options, watch): (&CompileOptions, &Watch<'_>),
     diagnostics: &mut Vec<Diagnostic>,
 ) -> Option<AnalysedNet> {
     let (units, facts, claims) = (&front.checked.units, front.facts, options.claims);
-    let name = &front.checked.unit(unit).name;
-    let selection = watch.selection_in(name);
+    let selection = watch.selection_in(names);
     let analysed = match selection.is_empty() {
         true => {
             let again = || elaborate(units, facts, unit, args, claims);
@@ -171,7 +173,7 @@ fn command_net(
         }
         false => {
             let (again, flows) = elaborate_watched(units, facts, unit, args, claims, selection);
-            watch.record(name, flows);
+            watch.record(names, &flows);
             elaborated_again(front, unit, again, diagnostics)?
         }
     };

@@ -48,26 +48,34 @@ impl<'o> Watch<'o> {
         }
     }
 
-    /// Returns the selection of flows in a command; an empty one if no name begins with its name.
-    pub(crate) fn selection_in(&self, command: &str) -> FlowSelection {
-        self.commands.borrow_mut().push(command.to_owned());
-        let inside = |name: &String| match name.strip_prefix(command)? {
-            "" => Some(String::new()),
-            rest => rest.strip_prefix('.').map(str::to_owned),
+    /// Returns the selection of flows in a command with these names: its own, and for a step of a task with arguments also that with
+    /// them, such as `Count(5)`. The selection is empty if no watched name begins with one of them. The empty watched name stands for all
+    /// flows of all commands.
+    pub(crate) fn selection_in(&self, commands: &[&str]) -> FlowSelection {
+        let known = commands.iter().map(|command| (*command).to_owned());
+        self.commands.borrow_mut().extend(known);
+        let inside = |name: &String, command: &str| match name.strip_prefix(command) {
+            _ if name.is_empty() => Some(String::new()),
+            Some("") => Some(String::new()),
+            rest => rest?.strip_prefix('.').map(str::to_owned),
         };
-        FlowSelection::new(self.names.iter().filter_map(inside).collect())
+        let selected = |name: &String| commands.iter().find_map(|command| inside(name, command));
+        FlowSelection::new(self.names.iter().filter_map(selected).collect())
     }
 
-    /// Records the names of all flows of a command.
-    pub(crate) fn record(&self, command: &str, flows: Vec<String>) {
-        let named = flows.into_iter().map(|flow| format!("{command}.{flow}"));
-        self.flows.borrow_mut().extend(named);
+    /// Records the names of all flows of a command with these names.
+    pub(crate) fn record(&self, commands: &[&str], flows: &[String]) {
+        let mut known = self.flows.borrow_mut();
+        for command in commands {
+            known.extend(flows.iter().map(|flow| format!("{command}.{flow}")));
+        }
     }
 
     /// Returns the watched names that no flow of any command has.
     pub(crate) fn unknown_names(&self) -> Vec<UnknownFlow> {
         let (flows, commands) = (self.flows.borrow(), self.commands.borrow());
-        let is_known = |name: &str| flows.iter().any(|flow| name_contains(name, flow));
+        let is_known =
+            |name: &str| name.is_empty() || flows.iter().any(|flow| name_contains(name, flow));
         let unknown = self.names.iter().filter(|name| !is_known(name));
         let all = || flows.iter().chain(commands.iter()).map(String::as_str);
         let unknown = unknown.map(|name| UnknownFlow {

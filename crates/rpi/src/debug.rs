@@ -11,6 +11,9 @@ use serde_json::{Value, json};
 use crate::exit::{CommandResult, Exit};
 use crate::own_program::own_program;
 
+/// Time of the cell after which the run of a program is stopped, if no other one is given.
+const LONGEST: &str = "60s";
+
 /// Options of `rpi debug`.
 #[derive(Args, Debug)]
 pub(crate) struct DebugArgs {
@@ -26,7 +29,7 @@ pub(crate) struct DebugArgs {
     /// Command or task to run, if the program has several.
     #[arg(long, value_name = "NAME")]
     command: Option<String>,
-    /// Stop the run of a program after this time, such as 10s.
+    /// Stop the run of a program after this time, such as 10s; default: 60s.
     #[arg(long, value_name = "TIME")]
     time: Option<String>,
     /// Speak the Debug Adapter Protocol on the standard input and output, for editors. What is debugged comes with the request
@@ -80,19 +83,19 @@ fn record_run(arguments: &Value, path: &Path) -> Result<PathBuf, String> {
     let program = arguments["program"].as_str();
     let program =
         program.ok_or("`launch` needs `recording`, a recording, or `program`, a program to run")?;
+    // That of an earlier run must not be taken for this one.
+    let _ = std::fs::remove_file(path);
     let own = own_program().map_err(|error| error.to_string())?;
     let mut run = Command::new(own);
     run.args(["run", program, "--sim-time", "--record"])
         .arg(path);
-    for (key, option) in [
-        ("cell", "--cell"),
-        ("command", "--command"),
-        ("time", "--time"),
-    ] {
+    for (key, option) in [("cell", "--cell"), ("command", "--command")] {
         if let Some(value) = arguments[key].as_str() {
             run.args([option, value]);
         }
     }
+    // A program may run without end.
+    run.args(["--time", arguments["time"].as_str().unwrap_or(LONGEST)]);
     let done = run.stdin(Stdio::null()).output();
     let done = done.map_err(|error| error.to_string())?;
     // A run that ends with an error is what one wants to see in a debugger.

@@ -17,8 +17,8 @@ pub(crate) fn watch(
     names: &[String],
     program: Option<&Path>,
 ) -> Result<(), Box<dyn Error>> {
-    compiled_again(recording, names, program, |net, period| {
-        rpi_driver::lower_with_work(net, period).map(|(image, _)| image)
+    compiled_again(recording, names, program, |net, period, tick| {
+        rpi_driver::lower_for_tick(net, period, tick).map(|(image, _)| image)
     })
     .map(|_| ())
 }
@@ -33,6 +33,7 @@ pub(crate) fn compiled_again(
 ) -> Result<Compiled, Box<dyn Error>> {
     let program = RecordedProgram::new(recording, program)?;
     let compiled = program.compile(recording, (names, None), lower);
+    let compiled = compiled.map(|compiled| compiled.compiled);
     compiled.map_err(|error| match error {
         RecordedProgramError::Diagnostics { text, .. } => {
             rpi_diag::print_stderr!("{text}");

@@ -38,7 +38,7 @@ pub(crate) fn why_command(args: &WhyArgs) -> CommandResult {
         &mut recording,
         names,
         args.program.as_deref(),
-        rpi_driver::lower_for_observation,
+        rpi_driver::lower_for_observation_in_tick,
     )?;
     let nets = compiled.nets().iter();
     let requested: Vec<(&AnalysedNet, String, PortRef)> = nets

@@ -133,6 +133,7 @@ const EDGES: &[(&str, &[&str])] = &[
             "rpi-literal",
             "rpi-net",
             "rpi-record",
+            "rpi-runtime",
             "rpi-syntax",
         ],
     ),

@@ -46,6 +46,12 @@ impl Breakpoints {
         self.triggers.clone()
     }
 
+    /// Drops the breakpoints with conditions.
+    pub(super) fn drop_conditions(&mut self) {
+        self.lines
+            .retain(|breakpoint| breakpoint.condition.is_none());
+    }
+
     fn new_id(&mut self) -> u32 {
         self.last_id += 1;
         self.last_id
@@ -84,7 +90,7 @@ impl Debugged {
         let condition = requested["condition"].as_str().map(str::trim);
         let condition = match condition.filter(|condition| !condition.is_empty()) {
             None => None,
-            Some(text) => match self.add_condition(line, text)? {
+            Some(text) => match self.add_condition(line, text) {
                 Ok(id) => Some(id),
                 Err(message) => {
                     return Ok(json!({ "verified": false, "line": line, "message": message }));
@@ -101,20 +107,11 @@ impl Debugged {
         Ok(json!({ "id": id, "line": line }))
     }
 
-    /// Adds the condition of a breakpoint to the program. The inner error is that of the condition.
-    fn add_condition(
-        &mut self,
-        line: u32,
-        text: &str,
-    ) -> Result<Result<ExpressionId, String>, String> {
-        let mut added = self
-            .debugger
-            .add_expressions(&[(line, text)])
-            .map_err(|e| e.to_string())?;
-        let id = match added.pop() {
-            Some(Ok(id)) => id,
-            Some(Err(error)) => return Ok(Err(error.to_string())),
-            None => return Ok(Err("no condition".to_owned())),
+    /// Adds the condition of a breakpoint to the program. The error is that of the condition.
+    fn add_condition(&mut self, line: u32, text: &str) -> Result<ExpressionId, String> {
+        let id = match self.debugger.add_expression(line, text) {
+            Ok(id) => id,
+            Err(error) => return Err(error.to_string()),
         };
         let tables = self.debugger.tables().iter().enumerate();
         let mut types = tables.flat_map(|(k, table)| {
@@ -122,10 +119,10 @@ impl Debugged {
             flows.map(|flow| table.flows[flow].ty)
         });
         match types.next() {
-            Some(ty) if ty != BOOL => Ok(Err(format!(
+            Some(ty) if ty != BOOL => Err(format!(
                 "a condition must be of type bool, this one is of type {ty}"
-            ))),
-            _ => Ok(Ok(id)),
+            )),
+            _ => Ok(id),
         }
     }
 

@@ -121,7 +121,7 @@ impl Debugged {
     /// Returns what the present stop is about in a command: the present equation, or what has stopped the run.
     fn focus_in(&self, id: CommandId, table: &FlowTable) -> Option<Focus> {
         let at = self.equation.filter(|(of, _)| *of == id);
-        let flow = at.and_then(|(_, at)| self.equations(id).get(at).copied());
+        let flow = at.and_then(|(_, at)| self.debugger.equations(id).get(at).copied());
         let of_equation = flow.map(|flow| Focus {
             command: id,
             fragment: table.flows[flow].fragment,

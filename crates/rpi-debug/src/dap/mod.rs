@@ -20,7 +20,7 @@ mod variables;
 
 use std::io::{self, BufRead, Write};
 use std::path::PathBuf;
-use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::atomic::{AtomicUsize, Ordering};
 use std::sync::{Arc, mpsc};
 use std::thread;
 
@@ -41,10 +41,10 @@ pub fn serve(
     output: impl Write,
     launch: Launch<'_>,
 ) -> io::Result<()> {
-    let interrupt = Arc::new(AtomicBool::new(false));
+    let interrupt = Arc::new(AtomicUsize::new(0));
     let (arrived, requests) = mpsc::channel();
-    let flag = Arc::clone(&interrupt);
-    thread::Builder::new().spawn(move || read_all(input, &arrived, &flag))?;
+    let count = Arc::clone(&interrupt);
+    thread::Builder::new().spawn(move || read_all(input, &arrived, &count))?;
     let mut session = Session::new(output, launch, interrupt);
     for request in requests {
         if !session.handle(&request)? {
@@ -55,18 +55,22 @@ pub fn serve(
 }
 
 /// Reads requests until the end of the input. A request to pause or to end interrupts a search at once.
-fn read_all(mut input: impl BufRead, to: &mpsc::Sender<Value>, interrupt: &AtomicBool) {
+fn read_all(mut input: impl BufRead, to: &mpsc::Sender<Value>, interrupt: &AtomicUsize) {
     while let Ok(Some(body)) = read_message(&mut input) {
         let Ok(request) = serde_json::from_slice::<Value>(&body) else {
             continue;
         };
-        let command = request["command"].as_str();
-        if matches!(command, Some("pause" | "disconnect" | "terminate")) {
-            interrupt.store(true, Ordering::Relaxed);
+        if is_interruption(request["command"].as_str()) {
+            interrupt.fetch_add(1, Ordering::Relaxed);
         }
         if to.send(request).is_err() {
             return;
         }
     }
-    interrupt.store(true, Ordering::Relaxed);
+    interrupt.fetch_add(1, Ordering::Relaxed);
+}
+
+/// Returns whether a request ends the searches before it. It counts from its arrival until it is handled.
+fn is_interruption(command: Option<&str>) -> bool {
+    matches!(command, Some("pause" | "disconnect" | "terminate"))
 }

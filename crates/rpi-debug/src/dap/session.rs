@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 use std::io::{self, Write};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
-use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::atomic::{AtomicUsize, Ordering};
 
 use rpi_core::CommandId;
 use rpi_diag::Span;
@@ -24,7 +24,7 @@ use crate::program::RecordedProgram;
 pub(crate) struct Session<'a, W> {
     client: Client<W>,
     launch: Launch<'a>,
-    interrupt: Arc<AtomicBool>,
+    interrupt: Arc<AtomicUsize>,
     stops_on_entry: bool,
     /// What is debugged, from the request `launch` on.
     debugged: Option<Debugged>,
@@ -86,7 +86,7 @@ enum After {
 }
 
 impl<'a, W: Write> Session<'a, W> {
-    pub(crate) fn new(output: W, launch: Launch<'a>, interrupt: Arc<AtomicBool>) -> Self {
+    pub(crate) fn new(output: W, launch: Launch<'a>, interrupt: Arc<AtomicUsize>) -> Self {
         Session {
             client: Client::new(output),
             launch,
@@ -99,8 +99,8 @@ impl<'a, W: Write> Session<'a, W> {
     /// Handles a request. Returns false if the client is gone.
     pub(crate) fn handle(&mut self, request: &Value) -> io::Result<bool> {
         let command = request["command"].as_str().unwrap_or_default();
-        if is_movement(command) {
-            self.interrupt.store(false, Ordering::Relaxed);
+        if command == "pause" {
+            self.interrupt.fetch_sub(1, Ordering::Relaxed);
         }
         let (answer, after) = match self.dispatch(command, &request["arguments"]) {
             Ok((body, after)) => (Ok(body), after),
@@ -232,19 +232,6 @@ impl Debugged {
             _ => Err(format!("the request `{command}` is not supported")),
         }
     }
-}
-
-fn is_movement(command: &str) -> bool {
-    matches!(
-        command,
-        "configurationDone"
-            | "continue"
-            | "reverseContinue"
-            | "next"
-            | "stepIn"
-            | "stepOut"
-            | "stepBack"
-    )
 }
 
 /// Returns the body of the response to a request that moves.

@@ -1,6 +1,5 @@
 //! Forwards and backwards, by cycles and by equations.
 
-use rpi_core::CommandId;
 use serde_json::Value;
 
 use super::session::{Debugged, Focus, Stopped};
@@ -19,10 +18,11 @@ impl Debugged {
         let moved = match command {
             "continue" => self.run(true),
             "reverseContinue" => self.run(false),
-            "next" if !by_equation => self.step_cycle(true),
+            "next" if !by_equation => self.step_cycles(1),
+            "rpi/move" => self.step_cycles(arguments["ticks"].as_i64().unwrap_or(0)),
             "next" | "stepIn" => self.step_equation(thread, true),
             "stepBack" if by_equation => self.step_equation(thread, false),
-            "stepBack" => self.step_cycle(false),
+            "stepBack" => self.step_cycles(-1),
             "stepOut" => self.step_out(thread),
             _ => return None,
         };
@@ -42,13 +42,18 @@ impl Debugged {
             true => debugger.run_forwards(breakpoints),
             false => debugger.run_backwards(breakpoints),
         };
-        let hits = hits.map_err(text)?;
-        self.focus = hits.first().map(|hit| self.focus_of(*hit, breakpoints));
-        let mut hits: Vec<u32> = hits
-            .iter()
-            .map(|hit| breakpoints[hit.breakpoint].id)
-            .collect();
+        let hits = hits.map_err(|error| self.recover(&error))?;
+        let first = hits.first();
+        self.focus = first.and_then(|hit| self.focus_of(*hit, breakpoints));
+        if hits.iter().any(|hit| hit.breakpoint.is_none()) {
+            return Ok(Stopped::new("exception", self.place()));
+        }
+        let hits = hits.iter().filter_map(|hit| hit.breakpoint);
+        let mut hits: Vec<u32> = hits.map(|index| breakpoints[index].id).collect();
         hits.dedup();
+        if hits.is_empty() && self.debugger.is_interrupted() {
+            return Ok(Stopped::new("pause", self.place()));
+        }
         Ok(match (hits.is_empty(), forwards) {
             (false, _) => Stopped {
                 hits,
@@ -64,8 +69,8 @@ impl Debugged {
     }
 
     /// Returns what a stop at a breakpoint is about.
-    fn focus_of(&self, hit: Hit, breakpoints: &[Breakpoint]) -> Focus {
-        let breakpoint = &breakpoints[hit.breakpoint];
+    fn focus_of(&self, hit: Hit, breakpoints: &[Breakpoint]) -> Option<Focus> {
+        let breakpoint = &breakpoints[hit.breakpoint?];
         let table = &self.debugger.tables()[breakpoint.table];
         let of_fragment = |fragment: usize| Focus {
             command: hit.command,
@@ -73,7 +78,7 @@ impl Debugged {
             place: table.fragments[fragment].span,
             line: breakpoint.line,
         };
-        match breakpoint.trigger {
+        Some(match breakpoint.trigger {
             Trigger::Activated(fragment) => of_fragment(fragment),
             Trigger::BecomesTrue(flow) | Trigger::Appears(flow) | Trigger::Changes(flow) => {
                 let flow = &table.flows[flow];
@@ -86,32 +91,49 @@ impl Debugged {
                     },
                 }
             }
-        }
+        })
     }
 
-    fn step_cycle(&mut self, forwards: bool) -> Result<Stopped, String> {
+    /// Goes forwards or, with a negative number, backwards by some ticks.
+    fn step_cycles(&mut self, ticks: i64) -> Result<Stopped, String> {
         self.equation = None;
         self.focus = None;
         let tick = self.debugger.stop().tick;
-        let is_there = match forwards {
-            true => self.debugger.go_to(tick + 1).map_err(text)?,
-            false if tick == 0 => false,
-            false => self.debugger.go_to(tick - 1).map_err(text)?,
-        };
-        Ok(match (is_there, forwards) {
+        let to = tick.checked_add_signed(ticks);
+        let is_there = self.debugger.go_to(to.unwrap_or(0));
+        let is_there = is_there.map_err(|error| self.recover(&error))? && to.is_some();
+        Ok(match (is_there, ticks >= 0) {
             (true, _) => Stopped::new("step", self.place()),
             (false, true) => Stopped::new("step", "end of the recording"),
             (false, false) => Stopped::new("step", "start of the recording"),
         })
     }
 
+    /// Returns the message of an error. If the replay differs from the recording and there are expressions, they are dropped: one of
+    /// them has changed the run.
+    fn recover(&mut self, error: &DebugError) -> String {
+        let tick = self.debugger.stop().tick;
+        if !matches!(error, DebugError::Differs(_)) || !self.debugger.has_expressions() {
+            return error.to_string();
+        }
+        let dropped = self.debugger.drop_expressions(tick);
+        self.breakpoints.drop_conditions();
+        self.resolve_breakpoints();
+        match dropped {
+            Ok(()) => format!(
+                "an expression changes the run, because it faults or uses a device; all expressions and conditions were dropped: {error}"
+            ),
+            Err(again) => again.to_string(),
+        }
+    }
+
     /// Goes to the next or previous equation that a command evaluates, at the border of a cycle to that of the cycle beside it.
     fn step_equation(&mut self, thread: i64, forwards: bool) -> Result<Stopped, String> {
         let Some(id) = self.command_of(thread) else {
-            return self.step_cycle(forwards);
+            return self.step_cycles(if forwards { 1 } else { -1 });
         };
         let at = self.equation.filter(|(of, _)| *of == id).map(|(_, at)| at);
-        let count = self.equations(id).len();
+        let count = self.debugger.equations(id).len();
         let next = match (at, forwards) {
             (None, true) => Some(0),
             (None, false) => None,
@@ -124,8 +146,8 @@ impl Debugged {
                 self.focus = None;
             }
             None => {
-                self.step_cycle(forwards)?;
-                let count = self.equations(id).len();
+                self.step_cycles(if forwards { 1 } else { -1 })?;
+                let count = self.debugger.equations(id).len();
                 let border = if forwards { 0 } else { count.saturating_sub(1) };
                 self.equation = (count > 0).then_some((id, border));
             }
@@ -139,32 +161,26 @@ impl Debugged {
             return Ok(Stopped::new("step", self.place()));
         }
         let Some(id) = self.command_of(thread) else {
-            return self.step_cycle(true);
+            return self.step_cycles(1);
         };
         let last = self.debugger.last_cycle(id).map_err(text)?;
         self.debugger.go_to(last).map_err(text)?;
         Ok(Stopped::new("step", self.place()))
     }
 
-    /// Returns the indices of the flows that a command evaluates in the present cycle, in order.
-    pub(super) fn equations(&self, id: CommandId) -> Vec<usize> {
-        let stop = self.debugger.stop();
-        let Some(command) = stop.commands.iter().find(|command| command.id == id) else {
-            return Vec::new();
-        };
-        let table = &self.debugger.tables()[command.table];
-        let evaluated = table.flows.iter().enumerate().filter(|(k, flow)| {
-            let is_present = command.values[*k].is_some();
-            is_present && !crate::Debugger::is_added(&flow.path) && !flow.span.is_none()
-        });
-        evaluated.map(|(k, _)| k).collect()
-    }
-
-    /// Returns the tick and its time as text.
+    /// Returns the tick and its time as text, with the faults in it.
     pub(super) fn place(&self) -> String {
-        let tick = self.debugger.stop().tick;
-        let seconds = tick as f64 * self.debugger.tick_ns() as f64 * 1e-9;
-        format!("tick {tick}, {seconds:.3} s")
+        let stop = self.debugger.stop();
+        let (tick, tick_ns) = (stop.tick, self.debugger.tick_ns());
+        let seconds = tick as f64 * tick_ns as f64 * 1e-9;
+        let mut text = format!("tick {tick}, {seconds:.3} s");
+        for command in &stop.commands {
+            if let Some(fault) = command.fault {
+                let name = &self.debugger.tables()[command.table].command;
+                text.push_str(&format!(", {name} ends with a fault: {fault}"));
+            }
+        }
+        text
     }
 }
 

@@ -156,7 +156,7 @@ impl Debugged {
         let command = &self.debugger.stop().commands[command];
         let table = &self.debugger.tables()[command.table];
         let at = self.equation.filter(|(id, _)| *id == command.id);
-        let last = at.and_then(|(id, at)| self.equations(id).get(at).copied());
+        let last = at.and_then(|(id, at)| self.debugger.equations(id).get(at).copied());
         match last.is_some_and(|last| flow > last) {
             true => "not yet evaluated".to_owned(),
             false => command.text(table, flow),
@@ -211,28 +211,25 @@ impl Debugged {
     fn evaluate_compiled(&mut self, frame: Frame, expression: &str) -> Answer {
         let command = &self.debugger.stop().commands[frame.command];
         let (id, table_index) = (command.id, command.table);
-        let table = &self.debugger.tables()[table_index];
-        let place = table.fragments[frame.fragment].span;
-        let (_, line) = self
-            .sources()
-            .place(place)
-            .ok_or_else(|| "this command is not in a text".to_owned())?;
-        let added = self.debugger.add_expressions(&[(line, expression)]);
-        let mut added = added.map_err(|e| e.to_string())?;
-        let added = added
-            .pop()
-            .ok_or_else(|| "nothing to evaluate".to_owned())?;
+        let line = self.line_of(frame)?;
+        let added = self.debugger.add_expression(line, expression);
         let added = added.map_err(|e| e.to_string())?;
         // The tables are those of the program with the expression; frames and groups stay the same.
         self.resolve_breakpoints();
         let stop = self.debugger.stop();
-        let command = stop.commands.iter().position(|command| command.id == id);
+        let command = stop.commands.iter().find(|command| command.id == id);
         let command = command.ok_or_else(|| "the command has ended".to_owned())?;
-        let flows: Vec<usize> = self.debugger.flows_of(added, table_index).collect();
         let table = &self.debugger.tables()[table_index];
-        let values = flows
-            .iter()
-            .map(|flow| stop.commands[command].text(table, *flow));
+        let all: Vec<usize> = self.debugger.flows_of(added, table_index).collect();
+        // A node that is called several times has the expression in each call: that of the frame counts.
+        let around = format!("{}.", table.fragments[frame.fragment].path);
+        let own = all.iter().copied();
+        let own = own.filter(|flow| table.flows[*flow].path.starts_with(&around));
+        let mut flows: Vec<usize> = own.collect();
+        if flows.is_empty() {
+            flows = all;
+        }
+        let values = flows.iter().map(|flow| command.text(table, *flow));
         let values: Vec<String> = values.collect();
         Ok(match (&flows[..], &values[..]) {
             ([flow], [value]) => {
@@ -241,6 +238,25 @@ impl Debugged {
             }
             _ => json!({ "result": format!("({})", values.join(", ")), "variablesReference": 0 }),
         })
+    }
+
+    /// Returns the line of the program with whose equations an expression of a frame is evaluated: that of its fragment, or of the
+    /// nearest one around it that is in the program.
+    fn line_of(&self, frame: Frame) -> Result<u32, String> {
+        let command = &self.debugger.stop().commands[frame.command];
+        let table = &self.debugger.tables()[command.table];
+        let program = self.sources().program_id();
+        let inner = &table.fragments[frame.fragment].path;
+        let around = table.fragments.iter().filter(|fragment| {
+            let rest = inner.strip_prefix(&fragment.path);
+            let is_around = rest.is_some_and(|rest| rest.is_empty() || rest.starts_with('.'));
+            is_around && !fragment.span.is_none() && Some(fragment.span.file) == program
+        });
+        let nearest = around.max_by_key(|fragment| fragment.depth);
+        let place = nearest.and_then(|fragment| self.sources().place(fragment.span));
+        let place =
+            place.ok_or_else(|| "this command is not in the text of the program".to_owned())?;
+        Ok(place.1)
     }
 }
 

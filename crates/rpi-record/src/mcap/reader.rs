@@ -3,7 +3,7 @@
 //! The ticks are not kept: they are read again, one by one, whenever they are needed, so that a recording of any length can be
 //! replayed.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 use std::path::Path;
 use std::sync::Arc;
 
@@ -127,6 +127,12 @@ impl Recording {
             }
         };
         kept.finish(parts, end)
+    }
+
+    /// Returns the periods of the commands of the recording in ns, in ascending order.
+    #[must_use]
+    pub fn periods(&self) -> BTreeSet<u64> {
+        self.images.iter().map(|image| image.period_ns).collect()
     }
 
     /// Returns the largest number of ticks between two cycles of a command of the recording; 1 without commands.

@@ -1,7 +1,5 @@
 //! A replay in progress: a core with recorded devices, compared with the recording tick by tick.
 
-use std::collections::VecDeque;
-
 use rpi_core::{Command, CommandId, CycleObserver, Notice};
 use serde_json::Value;
 
@@ -37,46 +35,64 @@ impl CycleObserver for ReplayObserver<'_, '_> {
     }
 }
 
+/// How far a replay has come in the events.
+#[derive(Clone, Copy, Default)]
+struct EventProgress {
+    /// Number of recorded events that the replay has produced.
+    produced: usize,
+    /// Tick of the latest event that has one.
+    tick: u64,
+}
+
+/// State of a replay between two ticks.
+pub(super) struct ReplayCheckpoint {
+    core: Checkpoint,
+    progress: EventProgress,
+}
+
+impl ReplayCheckpoint {
+    /// Returns the number of the next tick.
+    pub(super) fn now(&self) -> u64 {
+        self.core.now()
+    }
+
+    /// Returns the memory of the commands, in bytes.
+    pub(super) fn memory(&self) -> usize {
+        self.core.memory()
+    }
+}
+
 /// State of a replay that is in progress: a core with recorded devices, the remaining events, and the report.
-pub(super) struct ReplayRun<'a> {
+pub(super) struct ReplayRun {
     executive: Executive<ReplayBank>,
     control: RawControl<()>,
     probe: FlowProbe,
     pub(super) names: NameTable,
-    /// Recorded events that the replay has not produced yet; `None` if events are not compared.
-    expected: Option<VecDeque<&'a Value>>,
-    latest: u64,
+    /// Recorded events of the core.
+    expected: Vec<Value>,
+    progress: EventProgress,
     /// Whether the recording has the same flows as the images.
     compares_flows: bool,
     pub(super) report: ReplayReport,
 }
 
-impl<'a> ReplayRun<'a> {
-    /// Prepares a replay that compares the events of the core with those of the recording.
-    pub(super) fn new(recording: &'a Recording) -> Result<ReplayRun<'a>, RecordingError> {
-        let events = recording.events.iter().filter(|e| is_core_event(e));
-        let expected = Some(events.collect());
-        Ok(ReplayRun {
-            expected,
-            ..ReplayRun::without_events(recording)?
-        })
-    }
-
-    /// Prepares a replay that does not compare events, so that it can return to an earlier tick.
-    pub(super) fn without_events(recording: &Recording) -> Result<ReplayRun<'a>, RecordingError> {
+impl ReplayRun {
+    /// Prepares the replay of a recording.
+    pub(super) fn new(recording: &Recording) -> Result<ReplayRun, RecordingError> {
         let devices_in_cell = recording.cell.devices.len();
         let player = match recording.is_watched {
             true => ReplayBank::in_any_order(devices_in_cell),
             false => ReplayBank::new(devices_in_cell),
         };
         let (control, executive) = open_for_replay(player, options(recording)?);
+        let events = recording.events.iter().filter(|e| is_core_event(e));
         Ok(ReplayRun {
             executive,
             control,
             probe: FlowProbe::new(&recording.images),
             names: NameTable::new(&recording.cell, recording.tick_ns),
-            expected: None,
-            latest: 0,
+            expected: events.cloned().collect(),
+            progress: EventProgress::default(),
             compares_flows: !recording.is_watched,
             report: ReplayReport::default(),
         })
@@ -225,12 +241,11 @@ impl<'a> ReplayRun<'a> {
             if matches!(event, Event::Notice(Notice::Started { .. })) {
                 self.report.commands += 1;
             }
-            self.latest = event_json::event_tick(&event).unwrap_or(self.latest);
-            let Some(expected) = &mut self.expected else {
-                continue;
-            };
-            let now = event_json::encode_event(&event, self.latest, &self.names);
-            let recorded = expected.pop_front();
+            let progress = &mut self.progress;
+            progress.tick = event_json::event_tick(&event).unwrap_or(progress.tick);
+            let now = event_json::encode_event(&event, progress.tick, &self.names);
+            let recorded = self.expected.get(progress.produced);
+            progress.produced += 1;
             self.report.events += 1;
             if !recorded.is_some_and(|recorded| events_match(recorded, &now)) {
                 let recorded = recorded.map_or_else(|| "nothing".to_owned(), Value::to_string);
@@ -252,27 +267,41 @@ impl<'a> ReplayRun<'a> {
     }
 
     /// Returns the state between two ticks.
-    pub(super) fn checkpoint(&self) -> Checkpoint {
-        self.executive.checkpoint()
+    pub(super) fn checkpoint(&self) -> ReplayCheckpoint {
+        ReplayCheckpoint {
+            core: self.executive.checkpoint(),
+            progress: self.progress,
+        }
+    }
+
+    /// Returns the ports that commands have read although the recording has no values for them, by their names.
+    pub(super) fn unrecorded(&mut self) -> Vec<String> {
+        let ports = self.executive.plant().unrecorded().iter();
+        let named = ports.map(|port| match self.names.port_name(*port) {
+            Some(name) => format!("{}.{}", name.owner, name.name),
+            None => format!("port {port}"),
+        });
+        named.collect()
     }
 
     /// Returns to the state of a checkpoint of this replay.
-    pub(super) fn restore(&mut self, checkpoint: &Checkpoint) {
-        self.executive.restore(checkpoint);
+    pub(super) fn restore(&mut self, checkpoint: &ReplayCheckpoint) {
+        self.executive.restore(&checkpoint.core);
+        self.progress = checkpoint.progress;
         self.report.difference = None;
     }
 
     /// Removes a difference that may result from the end of a recording that was cut off: the recorded events end
     /// before it, so the answer that says in which tick a request was carried out may be missing.
     pub(super) fn forgive_the_cut(&mut self) {
-        if self.expected.as_ref().is_none_or(VecDeque::is_empty) {
+        if self.progress.produced >= self.expected.len() {
             self.report.difference = None;
         }
     }
 
     /// Reports a difference if the replay has not produced a recorded event.
     pub(super) fn check_missing_events(&mut self) {
-        if let Some(missing) = self.expected.as_mut().and_then(VecDeque::pop_front) {
+        if let Some(missing) = self.expected.get(self.progress.produced) {
             self.report.difference = Some(Difference {
                 tick: self.executive.now(),
                 of: "the core".to_owned(),

@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use rpi_runtime::control::Checkpoint;
+use rpi_image::Image;
 use rpi_runtime::tick_log::LoggedTick;
 
 use super::error::RecordingError;
@@ -10,7 +10,7 @@ use super::reader::Recording;
 use super::replay::CycleCallback;
 use super::replay_report::ReplayReport;
 use super::replay_requests::RecordedRequests;
-use super::replay_run::ReplayRun;
+use super::replay_run::{ReplayCheckpoint, ReplayRun};
 use super::tick_reader::{TickPosition, TickReader};
 
 /// Memory for checkpoints in bytes. When it is used up, every second one is dropped, and further ones are twice as far apart.
@@ -22,11 +22,11 @@ const FIRST_SPACING: u64 = 1000;
 /// Replay of a recording that can return to earlier ticks. It keeps checkpoints of the core, from which it goes on.
 pub struct ReplayTimeline {
     recording: Arc<Recording>,
-    run: ReplayRun<'static>,
+    run: ReplayRun,
     requests: RecordedRequests,
     ticks: TickReader,
     /// Checkpoints in the order of their ticks, each with the position of its next tick in the files.
-    checkpoints: Vec<(Checkpoint, TickPosition)>,
+    checkpoints: Vec<(ReplayCheckpoint, TickPosition)>,
     /// Number of ticks between two checkpoints.
     spacing: u64,
     /// Memory of the checkpoints in bytes.
@@ -44,7 +44,7 @@ impl ReplayTimeline {
     /// Returns an error if the recording is not complete enough to be replayed.
     pub fn new(recording: Arc<Recording>) -> Result<ReplayTimeline, RecordingError> {
         let mut timeline = ReplayTimeline {
-            run: ReplayRun::without_events(&recording)?,
+            run: ReplayRun::new(&recording)?,
             requests: RecordedRequests::new(&recording)?,
             ticks: TickReader::new(recording.parts.clone(), recording.cut.is_some()),
             recording,
@@ -74,6 +74,17 @@ impl ReplayTimeline {
     #[must_use]
     pub fn report(&self) -> &ReplayReport {
         &self.run.report
+    }
+
+    /// Returns the sensors that commands have read so far although the recording has no values for them, which count as 0.
+    pub fn unrecorded(&mut self) -> Vec<String> {
+        self.run.unrecorded()
+    }
+
+    /// Returns the images of the commands of the recording.
+    #[must_use]
+    pub fn images(&self) -> &[Arc<Image>] {
+        &self.recording.images
     }
 
     /// Replays the next tick, and passes each command to `observe` after the evaluation of its cycle. Returns the number of the tick;

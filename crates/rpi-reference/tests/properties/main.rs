@@ -39,7 +39,7 @@ use random::Random;
 use run::CompiledNode;
 
 /// Number of programs in a plain run.
-const PROGRAMS: u64 = 200;
+const PROGRAMS: u64 = 100;
 /// Number of programs in a plain run that are also compiled as C.
 const C_PROGRAMS: u64 = 100;
 /// First seed of a plain run.

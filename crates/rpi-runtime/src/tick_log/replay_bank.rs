@@ -54,6 +54,8 @@ struct ReplayState {
     replayed: BTreeSet<usize>,
     loaded: bool,
     mismatch: Option<Mismatch>,
+    /// Ports that were read and are not in the log.
+    unrecorded: BTreeSet<u32>,
 }
 
 impl ReplayState {
@@ -133,6 +135,11 @@ impl ReplayBank {
         let bank = ReplayBank::new(devices);
         bank.state.borrow_mut().any_order = true;
         bank
+    }
+
+    /// Returns the ports that were read so far although the log has no value for them.
+    pub fn unrecorded(&mut self) -> &BTreeSet<u32> {
+        &self.state.get_mut().unrecorded
     }
 
     /// Ends the accesses of the commands in a tick: those of the log that are left are skipped if any order is permitted.
@@ -269,6 +276,7 @@ impl DeviceBank for ReplayBank {
         });
         // Without a value, the command would end with a fault.
         recorded.unwrap_or_else(|| {
+            self.state.get_mut().unrecorded.insert(port.0);
             value.fill(0);
             any_order
         })

@@ -12,17 +12,19 @@ use crate::mcap::replay::replay_flows;
 impl Recording {
     /// Replaces images of the recording by images of the same commands that export more flows. Then
     /// [`run_data`](Recording::run_data) has these flows, too: it replays the recording. Each pair in `images` is an image as it was
-    /// recorded, and the one that replaces it. Returns the number of images that were replaced.
-    pub fn watch(&mut self, images: &[(Image, Arc<Image>)]) -> usize {
-        let mut replaced = 0;
+    /// recorded, and the one that replaces it. Returns the indices of the pairs whose images are in the recording.
+    pub fn watch(&mut self, images: &[(Image, Arc<Image>)]) -> Vec<usize> {
+        let mut replaced = Vec::new();
         for recorded in &mut self.images {
-            let found = images.iter().find(|(plain, _)| *plain == **recorded);
-            if let Some((_, watched)) = found {
-                *recorded = Arc::clone(watched);
-                replaced += 1;
+            let found = images.iter().position(|(plain, _)| *plain == **recorded);
+            if let Some(index) = found {
+                *recorded = Arc::clone(&images[index].1);
+                replaced.push(index);
             }
         }
-        self.is_watched |= replaced > 0;
+        replaced.sort_unstable();
+        replaced.dedup();
+        self.is_watched |= !replaced.is_empty();
         replaced
     }
 
