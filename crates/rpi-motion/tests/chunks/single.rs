@@ -182,6 +182,15 @@ fn a_jump_near_the_end_of_few_rows_causes_no_swing() {
     }
 }
 
+/// A ramp of 0.08 rad shortly after the first row, smoothed so strongly that the curve bends from its beginning on. Entered at its full
+/// rate, the difference in acceleration decays so slowly that the axis goes 0.7 rad in the other direction.
+#[test]
+fn a_first_chunk_that_bends_at_once_causes_no_detour() {
+    for model in ARMS {
+        follow_any_chunk(model, 2363, curve_room);
+    }
+}
+
 /// Rows that go on by `step` (rad) of the first axis from `from` on.
 fn steady(home: &Joints, from: f64, step: f64, count: usize) -> Vec<Joints> {
     let row = |k: usize| {
