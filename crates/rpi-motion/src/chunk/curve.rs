@@ -91,17 +91,17 @@ impl Curve {
         self.start + self.period * self.rows.saturating_sub(1) as f64
     }
 
-    /// Moves all coefficients, and so the whole curve, into `ranges` (rad). Returns the largest change, rad.
-    pub(super) fn clamp(&mut self, ranges: &Ranges) -> f64 {
-        let mut most = 0.0f64;
+    /// Moves all coefficients, and so the whole curve, into `ranges` (rad). Returns true if one has changed.
+    pub(super) fn clamp(&mut self, ranges: &Ranges) -> bool {
+        let mut is_changed = false;
         for joints in &mut self.coefficients {
             for (joint, range) in joints.iter_mut().zip(ranges) {
                 let inside = joint.max(range.lower).min(range.upper);
-                most = most.max((inside - *joint).abs());
+                is_changed |= inside != *joint;
                 *joint = inside;
             }
         }
-        most
+        is_changed
     }
 
     /// Returns position and derivatives at a time (s), which is limited to the times of the rows.

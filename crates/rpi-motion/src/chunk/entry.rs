@@ -1,6 +1,7 @@
 //! Entry into the curve of a new chunk: the decay of what the axes have and the curve does not have.
 
 use super::curve::{Curve, CurvePoint};
+use super::feedback;
 use super::residual::Residual;
 use super::state::{difference, is_within};
 use crate::Arm;
@@ -18,6 +19,23 @@ const SAMPLES: u32 = 16;
 
 /// Differences of position (rad), velocity (rad/s) and acceleration (rad/s²) that need no decay of their own.
 const SMALL: [f64; 3] = [1e-9, 1e-7, 1e-5];
+
+/// Distance by which a decay may lead away from the curve farther than the axis needs for braking, rad. A long decay of an
+/// acceleration `a` in the time `T` leads away by `a T² / 58`: up to a radian where the limits forbid a short one.
+const DETOUR: f64 = 0.02;
+
+/// Number of samples of a decay that are searched for its largest difference.
+const DETOUR_SAMPLES: u32 = 32;
+
+/// Returns true if a decay of an axis with `bounds` leads it far away from the curve: farther than the axis needs for braking the
+/// difference at the start.
+pub(super) fn is_detour(bounds: &Bounds, decay: &Residual) -> bool {
+    let room = DETOUR + feedback::reach_with(bounds, &decay.at(0.0).state, 1.0);
+    (0..DETOUR_SAMPLES).any(|k| {
+        let time = decay.duration() * f64::from(k) / f64::from(DETOUR_SAMPLES);
+        decay.at(time).state.position.abs() > room
+    })
+}
 
 /// Returns the state of an axis that follows `point` of a curve whose time passes with `law`.
 pub(super) fn on_curve(point: &CurvePoint, axis: usize, law: &AxisState) -> AxisState {

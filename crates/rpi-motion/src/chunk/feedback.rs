@@ -53,7 +53,13 @@ pub(super) fn correction(bounds: &Bounds, used: [f64; 3], error: AxisState, peri
 /// Returns the distance (rad) of an axis with the difference `error` from its curve, with the distance in which its velocity can be
 /// braked with the smallest share of the bounds.
 pub(super) fn reach(bounds: &Bounds, error: &AxisState) -> f64 {
-    let [most, jerk] = [bounds.acceleration, bounds.jerk].map(|bound| LEAST_LEFT * bound);
+    reach_with(bounds, error, LEAST_LEFT)
+}
+
+/// Returns the distance (rad) of an axis with the difference `error` from its curve, with the distance in which its velocity can be
+/// braked with a `share` of the bounds.
+pub(super) fn reach_with(bounds: &Bounds, error: &AxisState, share: f64) -> f64 {
+    let [most, jerk] = [bounds.acceleration, bounds.jerk].map(|bound| share * bound);
     let gain = error.acceleration * error.acceleration.abs() / (2.0 * jerk);
     let velocity = (error.velocity + gain).abs();
     error.position.abs() + velocity * (velocity / most + most / jerk) / 2.0

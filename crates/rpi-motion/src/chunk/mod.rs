@@ -4,7 +4,8 @@
 //! The set-point of an axis is `q(t) = c(s(t)) + r(t)`, passed through a guard:
 //!
 //! - `curve` and `fit`: `c` is a quintic spline near the rows, smoothed by least squares: as little as the limits of the
-//!   axes demand, and never by more than a bound;
+//!   axes demand, and not by more than a bound;
+//! - `corridor`: where rows jump, the curve rounds the jump off. It does not swing beyond the rows;
 //! - `law`: `s` is the time of the curve. It passes at the rate 1, more slowly where a limit of an axis binds, changes its rate no faster than the axes can follow, and stops at the
 //!   last row if no further chunk comes;
 //! - `entry` and `residual`: `r` is what the axis has at a takeover and the new curve does not have. It decays along a
@@ -20,6 +21,7 @@
 //! hardware, RSS 2023 (ensembles of overlapping chunks); Black et al., Real-time execution of action chunking flow policies,
 //! 2025 (rows that are frozen during inference).
 
+mod corridor;
 mod curve;
 mod entry;
 mod feedback;
@@ -62,6 +64,7 @@ pub struct ChunkOptions {
     /// by the time the chunk arrives, or is bound to.
     pub frozen_rows: usize,
     /// Largest deviation of the smoothed curve from a row, rad. Stronger smoothing is not used; the arm is slowed down instead.
+    /// Jumps between rows that the arm cannot follow are rounded off, which this value does not limit.
     pub smoothing: f64,
 }
 

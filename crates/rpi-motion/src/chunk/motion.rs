@@ -25,6 +25,10 @@ const CURVE_MARGIN: f64 = 1e-3;
 /// Deviation from which on the time of the curve passes more slowly, and the deviation at which its rate is the least, rad.
 const SLOWING: (f64, f64) = (0.02, 0.2);
 
+/// Factor between two rates with which the first curve is entered, and the largest number of slower rates that are tried.
+const SLOWER: f64 = 0.5;
+const SLOWER_ENTRIES: u32 = 8;
+
 /// Least rate of the time of the curve while an axis deviates.
 const LEAST_RATE: f64 = 0.05;
 
@@ -239,10 +243,28 @@ impl ChunkMotion {
             };
             self.law.state.velocity = self.entry_rate(share);
         }
-        let law = self.law.state;
-        self.residuals = entry::plan(&self.arm, &self.bounds, &self.curve, &law, &self.state);
+        self.plan_entry();
+        // An arm that does not follow a curve yet has no time to lose: it may begin as slowly as it needs.
+        for _ in 0..SLOWER_ENTRIES {
+            if !was_empty || !self.makes_detour() {
+                break;
+            }
+            self.law.state.velocity *= SLOWER;
+            self.plan_entry();
+        }
         self.since_entry = 0.0;
         self.reference = self.reference_now();
+    }
+
+    /// Plans the decay of what the axes have and the curve at its present rate does not have.
+    fn plan_entry(&mut self) {
+        let law = self.law.state;
+        self.residuals = entry::plan(&self.arm, &self.bounds, &self.curve, &law, &self.state);
+    }
+
+    /// Returns true if the entry leads an axis far away from the curve.
+    fn makes_detour(&self) -> bool {
+        (0..self.arm.axes()).any(|axis| entry::is_detour(&self.bounds[axis], &self.residuals[axis]))
     }
 
     /// Returns the rate with which the time of the curve begins: the highest one that the limits allow and from which it can

@@ -1,7 +1,8 @@
 //! The chunk that is being smoothed and comes into force next.
 
+use super::corridor::Corridor;
 use super::curve::Curve;
-use super::fit::{Fit, Rows};
+use super::fit::{Fit, Rows, deviation};
 use super::law::{RateBounds, Rates, TimeLaw};
 use super::rows::{ChunkRows, InForce, RowTimes, combine, extend};
 use super::{ChunkError, ChunkOptions, Seam};
@@ -157,8 +158,11 @@ impl Pending {
         };
         let smoothing = (0..degree).fold(WEAKEST, |smoothing, _| FACTOR * smoothing);
         self.deviation = self.fit.run(&self.rows, smoothing, &mut self.curve);
-        let moved = self.curve.clamp(ranges);
-        self.deviation += moved;
+        let corridor = Corridor::new(bounds, self.rows.period, self.most);
+        let is_confined = corridor.confine(&self.rows, ranges, self.curve.coefficients_mut());
+        if self.curve.clamp(ranges) || is_confined {
+            self.deviation = deviation(&self.rows, &self.curve);
+        }
         let slowest = self.rates.compute(arm, bounds, &self.curve, at);
         self.stage = match self.stage {
             Stage::Trying(_) if self.deviation > self.most && degree > 0 => {

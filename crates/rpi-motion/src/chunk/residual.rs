@@ -41,6 +41,11 @@ impl Residual {
         }
     }
 
+    /// Returns the duration of the decay, s.
+    pub(super) fn duration(&self) -> f64 {
+        self.duration
+    }
+
     /// Returns the difference `time` seconds (not negative) after its start; 0 after the duration.
     pub(super) fn at(&self, time: f64) -> ResidualState {
         if time >= self.duration {
