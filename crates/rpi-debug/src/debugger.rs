@@ -381,7 +381,9 @@ impl Debugger {
         let mut replay = Replay::new(&self.original, &self.program, Some(text))?;
         replay.timeline.seek(tick + 1)?;
         if let Some(difference) = &replay.timeline.report().difference {
-            return Err(DebugError::ChangesRun(difference.to_string()));
+            let difference = difference.to_string();
+            let place = difference.lines().next().unwrap_or_default();
+            return Err(DebugError::ChangesRun(place.to_owned()));
         }
         let known = self.replay.timeline.unrecorded();
         let mut read = replay.timeline.unrecorded().into_iter();

@@ -206,16 +206,25 @@ impl Terminal<'_> {
         }
     }
 
+    /// Evaluates an expression in the innermost frame in which it has a value.
     fn print(&mut self, expression: &str) -> Result<String, LineError> {
-        let frame = self.innermost()?;
-        let arguments = json!({ "expression": expression, "frameId": frame, "context": "repl" });
-        let answer = self.request("evaluate", arguments)?;
+        let frames = self.frames()?;
+        let mut answer = Err("no command runs in this tick".to_owned());
+        for frame in frames.as_array().into_iter().flatten() {
+            let id = &frame["id"];
+            let arguments = json!({ "expression": expression, "frameId": id, "context": "repl" });
+            answer = self.request("evaluate", arguments);
+            if answer.is_ok() {
+                break;
+            }
+        }
+        let answer = answer?;
         match answer["variablesReference"].as_u64() {
             Some(group) if group > 0 => self.group(group),
-            _ => Ok(format!(
-                "{}\n",
-                answer["result"].as_str().unwrap_or_default()
-            )),
+            _ => {
+                let value = answer["result"].as_str();
+                Ok(format!("{}\n", value.unwrap_or_default()))
+            }
         }
     }
 
@@ -243,10 +252,6 @@ impl Terminal<'_> {
             format!("  {} = {}\n", text("name"), text("value"))
         };
         Ok(variables.iter().map(line).collect())
-    }
-
-    fn innermost(&mut self) -> Result<Value, LineError> {
-        Ok(self.frames()?[0]["id"].clone())
     }
 
     fn frames(&mut self) -> Result<Value, LineError> {

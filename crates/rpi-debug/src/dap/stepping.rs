@@ -116,6 +116,8 @@ impl Debugged {
         if !matches!(error, DebugError::Differs(_)) || !self.debugger.has_expressions() {
             return error.to_string();
         }
+        let error = error.to_string();
+        let error = error.lines().next().unwrap_or_default();
         let dropped = self.debugger.drop_expressions(tick);
         self.breakpoints.drop_conditions();
         self.resolve_breakpoints();
