@@ -103,7 +103,9 @@ class ChunkStream:
 
     async def observations(self, every: float = 0.0) -> AsyncIterator[Observation]:
         """Yields the newest observation again and again, on average at most once in ``every`` seconds, until the command has ended. A slow reader
-        misses observations and never gets an old one."""
+        misses observations and never gets an old one. ``ValueError`` if ``every`` is negative or not a number."""
+        if not every >= 0.0:
+            raise ValueError(f"every is {every}, not a number of seconds from 0 on")
         due, last = time.monotonic(), 0
         while True:
             left = due - time.monotonic()
@@ -244,6 +246,11 @@ class ChunkStream:
             if len(velocities) != len(rows):
                 raise ValueError(f"velocities: {len(rows)} rows are needed, and there are {len(velocities)}")
             values["velocities"] = padded(velocities, self.rows)
+        elif "velocities" in self.goal.inputs:
+            # The arm would follow the rows with those of an earlier chunk.
+            raise ValueError("velocities: this stream needs a velocity at each row")
+        if not 0 <= chunk.frozen <= len(rows):
+            raise ValueError(f"frozen is {chunk.frozen}, not from 0 to {len(rows)}, the number of rows")
         options: dict[str, Any] = {"append": chunk.append, "frozen": chunk.frozen}
         # A command of another program need not have them while they have their defaults.
         values.update({name: value for name, value in options.items() if value or name in self.goal.inputs})

@@ -196,6 +196,23 @@ class ChunkTest(ArmTest):
 
         await self.with_arm(work)
 
+    async def test_what_a_stream_needs_is_checked_before_it_is_sent(self) -> None:
+        async def work(_: Session, arm: Arm) -> None:
+            async with await arm.open_chunks(ChunkOptions(rows=10, velocities=True)) as stream:
+                assert stream.latest is not None
+                rows = [stream.latest.commanded] * 10
+                still = [[0.0] * len(rows[0])] * 10
+                with self.assertRaisesRegex(ValueError, "velocities: this stream needs a velocity at each row"):
+                    await stream.send(rows)
+                for frozen in (-1, 11):
+                    with self.assertRaisesRegex(ValueError, f"frozen is {frozen}, not from 0 to 10"):
+                        await stream.send(Chunk(rows, velocities=still, frozen=frozen))
+                with self.assertRaisesRegex(ValueError, "every is -1.0"):
+                    await stream.run(lambda _: None, every=-1.0)
+                self.assertEqual(stream.report.sent, 0)
+
+        await self.with_arm(work)
+
     async def test_chunks_of_poses(self) -> None:
         """A policy in Cartesian space: the tool follows a circle of 40 mm, and chunks out of reach are rejected."""
 
