@@ -27,13 +27,15 @@ const LONGEST: &[&str] = &[
     "chaos",
     "primitives",
     "c_target",
-    "attacks",
     "endless",
     "server",
     "jobs",
     "motion",
     "import",
 ];
+
+/// Programs that measure how soon a server answers under load. They run last, one after the other.
+const ALONE: &[&str] = &["attacks"];
 
 /// Number of programs in the list of the slowest.
 const SLOWEST: usize = 12;
@@ -72,7 +74,10 @@ pub(crate) fn test(args: &[String]) -> Result<(), TaskError> {
     let rank = |program: &Program| LONGEST.iter().position(|name| *name == program.name);
     programs.sort_by_key(|program| rank(program).unwrap_or(LONGEST.len()));
     let count = programs.len();
-    let finished = run_all(programs);
+    let is_alone = |program: &Program| ALONE.contains(&program.name.as_str());
+    let (alone, together): (Vec<_>, Vec<_>) = programs.into_iter().partition(is_alone);
+    let mut finished = run_all(together, AT_ONCE);
+    finished.extend(run_all(alone, 1));
     print_slowest(&finished);
     let failed = finished.iter().filter(|finished| !finished.has_passed());
     let failed: Vec<&str> = failed
@@ -131,13 +136,13 @@ fn program(message: &Value) -> Option<Program> {
     })
 }
 
-/// Runs all programs, and prints the output of each.
-fn run_all(programs: Vec<Program>) -> Vec<Finished> {
+/// Runs programs, some of them at the same time, and prints the output of each.
+fn run_all(programs: Vec<Program>, at_once: usize) -> Vec<Finished> {
     let waiting = Mutex::new(VecDeque::from(programs));
     let finished = Mutex::new(Vec::new());
     let take = || waiting.lock().ok()?.pop_front();
     std::thread::scope(|scope| {
-        for _ in 0..AT_ONCE {
+        for _ in 0..at_once {
             scope.spawn(|| {
                 while let Some(program) = take() {
                     let done = run(program);

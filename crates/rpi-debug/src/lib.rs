@@ -12,6 +12,7 @@
 //! | `flow_table.rs` | the named flows of a command, in the order of their evaluation |
 //! | `stop.rs` | the values of the running commands in one cycle |
 //! | `breakpoint.rs` | where a run stops |
+//! | `error.rs` | errors |
 //! | `debugger.rs` | goes to cycles, and evaluates expressions |
 //! | `dap/` | Debug Adapter Protocol, for editors |
 //! | `terminal.rs` | lines of commands |
@@ -19,6 +20,7 @@
 mod breakpoint;
 mod dap;
 mod debugger;
+mod error;
 mod flow_table;
 mod insertion;
 mod program;
@@ -27,7 +29,8 @@ mod terminal;
 
 pub use breakpoint::{Breakpoint, Hit, Trigger};
 pub use dap::{Launch, serve};
-pub use debugger::{DebugError, Debugger, ExpressionId};
+pub use debugger::{Debugger, ExpressionId};
+pub use error::DebugError;
 pub use flow_table::{Flow, FlowTable};
 pub use program::{ALL_FLOWS, CompiledForReplay, Lowering, RecordedProgram, RecordedProgramError};
 pub use stop::{RunningCommand, Stop};

@@ -105,7 +105,7 @@ fn check_prefixes(path: &Path) {
         let is_like_other = is_of_word(before) && is_of_word(next) || before.is_whitespace();
         before = next;
         number += usize::from(!is_like_other);
-        if !all && (is_like_other || !of_words && number % 4 != 0) {
+        if !all && (is_like_other || !of_words && !number.is_multiple_of(4)) {
             continue;
         }
         let start = Instant::now();

@@ -52,6 +52,19 @@ impl Breakpoints {
             .retain(|breakpoint| breakpoint.condition.is_none());
     }
 
+    /// Says in the answer about a breakpoint whether it can be reached.
+    fn verify(&self, answer: &mut Value) {
+        let Some(id) = answer["id"].as_u64() else {
+            return;
+        };
+        let mut triggers = self.triggers.iter();
+        let is_there = triggers.any(|breakpoint| u64::from(breakpoint.id) == id);
+        answer["verified"] = json!(is_there);
+        if !is_there {
+            answer["message"] = json!("no command of the recording has a flow here");
+        }
+    }
+
     fn new_id(&mut self) -> u32 {
         self.last_id += 1;
         self.last_id
@@ -77,7 +90,7 @@ impl Debugged {
         }
         self.resolve_breakpoints();
         for answer in &mut answers {
-            self.verify(answer);
+            self.breakpoints.verify(answer);
         }
         Ok(json!({ "breakpoints": answers }))
     }
@@ -157,22 +170,9 @@ impl Debugged {
     fn resolved(&mut self, mut answers: Vec<Value>) -> Value {
         self.resolve_breakpoints();
         for answer in &mut answers {
-            self.verify(answer);
+            self.breakpoints.verify(answer);
         }
         json!({ "breakpoints": answers })
-    }
-
-    /// Says in the answer about a breakpoint whether it can be reached.
-    fn verify(&self, answer: &mut Value) {
-        let Some(id) = answer["id"].as_u64() else {
-            return;
-        };
-        let mut triggers = self.breakpoints.triggers.iter();
-        let is_there = triggers.any(|breakpoint| u64::from(breakpoint.id) == id);
-        answer["verified"] = json!(is_there);
-        if !is_there {
-            answer["message"] = json!("no command of the recording has a flow here");
-        }
     }
 
     /// Answers which flow a variable is, for a breakpoint on its changes.
@@ -188,7 +188,7 @@ impl Debugged {
                 .position(|flow| flow.path == path)
                 .map(|_| path)
         });
-        let path = in_group.or_else(|| self.flow_path(name));
+        let path = in_group.or_else(|| flow_path(self.debugger.tables(), name));
         match path {
             Some(path) => json!({
                 "dataId": path,
@@ -200,12 +200,6 @@ impl Debugged {
                 json!({ "dataId": null, "description": format!("`{name}` is not a single flow") })
             }
         }
-    }
-
-    fn flow_path(&self, path: &str) -> Option<String> {
-        let mut tables = self.debugger.tables().iter();
-        let is_there = tables.any(|table| table.flows.iter().any(|flow| flow.path == path));
-        is_there.then(|| path.to_owned())
     }
 
     /// Finds the triggers of all breakpoints in the present tables, which change when expressions are added.
@@ -295,4 +289,11 @@ fn body_at(debugger: &Debugger, file: FileId, line: u32, table: &FlowTable) -> O
         start: at,
         end: at,
     })
+}
+
+/// Returns the path of a flow of some command if there is one.
+fn flow_path(tables: &[FlowTable], path: &str) -> Option<String> {
+    let mut flows = tables.iter().flat_map(|table| &table.flows);
+    let is_there = flows.any(|flow| flow.path == path);
+    is_there.then(|| path.to_owned())
 }

@@ -4,7 +4,8 @@ use serde_json::Value;
 
 use super::session::{Debugged, Focus, Stopped};
 use crate::breakpoint::{Breakpoint, Hit, Trigger};
-use crate::debugger::DebugError;
+use crate::error::DebugError;
+use crate::flow_table::FlowTable;
 
 impl Debugged {
     /// Carries out a request that moves; `None` for any other request.
@@ -44,7 +45,7 @@ impl Debugged {
         };
         let hits = hits.map_err(|error| self.recover(&error))?;
         let first = hits.first();
-        self.focus = first.and_then(|hit| self.focus_of(*hit, breakpoints));
+        self.focus = first.and_then(|hit| focus_of(self.debugger.tables(), *hit, breakpoints));
         if hits.iter().any(|hit| hit.breakpoint.is_none()) {
             return Ok(Stopped::new("exception", self.place()));
         }
@@ -64,32 +65,6 @@ impl Debugged {
             }
             (true, false) => {
                 Stopped::new("pause", format!("start of the recording, {}", self.place()))
-            }
-        })
-    }
-
-    /// Returns what a stop at a breakpoint is about.
-    fn focus_of(&self, hit: Hit, breakpoints: &[Breakpoint]) -> Option<Focus> {
-        let breakpoint = &breakpoints[hit.breakpoint?];
-        let table = &self.debugger.tables()[breakpoint.table];
-        let of_fragment = |fragment: usize| Focus {
-            command: hit.command,
-            fragment,
-            place: table.fragments[fragment].span,
-            line: breakpoint.line,
-        };
-        Some(match breakpoint.trigger {
-            Trigger::Activated(fragment) => of_fragment(fragment),
-            Trigger::BecomesTrue(flow) | Trigger::Appears(flow) | Trigger::Changes(flow) => {
-                let flow = &table.flows[flow];
-                let focus = of_fragment(flow.fragment);
-                match crate::Debugger::is_added(&flow.path) {
-                    true => focus,
-                    false => Focus {
-                        place: flow.span,
-                        ..focus
-                    },
-                }
             }
         })
     }
@@ -188,4 +163,30 @@ impl Debugged {
 
 fn text(error: DebugError) -> String {
     error.to_string()
+}
+
+/// Returns what a stop at a breakpoint is about.
+fn focus_of(tables: &[FlowTable], hit: Hit, breakpoints: &[Breakpoint]) -> Option<Focus> {
+    let breakpoint = &breakpoints[hit.breakpoint?];
+    let table = &tables[breakpoint.table];
+    let of_fragment = |fragment: usize| Focus {
+        command: hit.command,
+        fragment,
+        place: table.fragments[fragment].span,
+        line: breakpoint.line,
+    };
+    Some(match breakpoint.trigger {
+        Trigger::Activated(fragment) => of_fragment(fragment),
+        Trigger::BecomesTrue(flow) | Trigger::Appears(flow) | Trigger::Changes(flow) => {
+            let flow = &table.flows[flow];
+            let focus = of_fragment(flow.fragment);
+            match crate::Debugger::is_added(&flow.path) {
+                true => focus,
+                false => Focus {
+                    place: flow.span,
+                    ..focus
+                },
+            }
+        }
+    })
 }
