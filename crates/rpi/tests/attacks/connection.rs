@@ -4,7 +4,7 @@ use std::io::{BufRead, BufReader, Read, Write};
 use std::net::{SocketAddr, TcpStream};
 use std::os::unix::net::UnixStream;
 use std::path::PathBuf;
-use std::time::Duration;
+use std::time::{Duration, Instant};
 
 /// Addresses of the server.
 pub(crate) struct Target {
@@ -27,9 +27,15 @@ pub(crate) fn line_answer(target: &Target, method: &str, timeout: Duration) -> S
     answer
 }
 
-/// Calls a method as a new client over the network.
+/// Calls a method as a new client over the network. If the server gives the place of the connection to a later one before the
+/// handshake ends, the client connects again, as clients do; the caller measures the time from the first attempt.
 pub(crate) fn websocket_answer(target: &Target, method: &str, timeout: Duration) -> String {
-    let mut stream = websocket(target, "/rpc").unwrap();
+    let end = Instant::now() + timeout;
+    let mut attempts = std::iter::repeat_with(|| websocket(target, "/rpc"));
+    let mut stream = attempts
+        .find(|stream| stream.is_some() || Instant::now() > end)
+        .flatten()
+        .unwrap();
     stream.set_read_timeout(Some(timeout)).unwrap();
     stream
         .write_all(&frame(request(method).as_bytes()))
