@@ -154,8 +154,8 @@ impl RecordedProgram {
         Ok(self.input.text()?)
     }
 
-    /// Compiles the program again, with the flows called `names` exported ([`ALL_FLOWS`] for all) and with `text` in place of its text, and replaces the images
-    /// of the recording by those that `lower` makes. Returns the program.
+    /// Compiles the program again, with the flows called `names` exported ([`ALL_FLOWS`] for all) and with `text` in place of its
+    /// text, and replaces the images of the recording by those that `lower` makes. Returns the program.
     ///
     /// # Errors
     /// Returns an error if the program does not compile, a name is unknown, or the program does not compile to the recorded images.

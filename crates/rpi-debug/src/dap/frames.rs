@@ -118,11 +118,15 @@ impl Debugged {
         frames
     }
 
+    /// Returns the flow of the present equation of a command; `None` if its equations are not stepped through.
+    pub(super) fn present_equation(&self, id: CommandId) -> Option<usize> {
+        let (_, at) = self.equation.filter(|(of, _)| *of == id)?;
+        self.debugger.equations(id).get(at).copied()
+    }
+
     /// Returns what the present stop is about in a command: the present equation, or what has stopped the run.
     fn focus_in(&self, id: CommandId, table: &FlowTable) -> Option<Focus> {
-        let at = self.equation.filter(|(of, _)| *of == id);
-        let flow = at.and_then(|(_, at)| self.debugger.equations(id).get(at).copied());
-        let of_equation = flow.map(|flow| Focus {
+        let of_equation = self.present_equation(id).map(|flow| Focus {
             command: id,
             fragment: table.flows[flow].fragment,
             place: table.flows[flow].span,

@@ -75,9 +75,10 @@ impl Debugged {
         let group = self.group(&arguments["variablesReference"]).cloned();
         let group =
             group.ok_or_else(|| "these variables are those of an earlier stop".to_owned())?;
+        let last = self.present_equation(self.debugger.stop().commands[group.command].id);
         let mut variables = Vec::new();
         for (name, flows) in self.members(&group).into_iter().take(MAX_VARIABLES) {
-            variables.push(self.variable(&group, &name, &flows));
+            variables.push(self.variable(&group, &name, (&flows, last)));
         }
         Ok(json!({ "variables": variables }))
     }
@@ -105,7 +106,13 @@ impl Debugged {
         members
     }
 
-    fn variable(&mut self, group: &Variables, name: &str, flows: &[usize]) -> Value {
+    /// Returns a member of a group, which consists of `flows`. `last` is the flow of the present equation.
+    fn variable(
+        &mut self,
+        group: &Variables,
+        name: &str,
+        (flows, last): (&[usize], Option<usize>),
+    ) -> Value {
         let command = &self.debugger.stop().commands[group.command];
         let table = &self.debugger.tables()[command.table];
         let path = group.path_of(table, name);
@@ -114,13 +121,13 @@ impl Debugged {
         {
             return json!({
                 "name": name,
-                "value": self.value_text(group.command, *only),
+                "value": value_text(command, table, *only, last),
                 "type": table.flows[*only].ty.to_string(),
                 "evaluateName": path,
                 "variablesReference": 0,
             });
         }
-        let text = self.group_text(group.command, flows);
+        let text = group_text(command, table, flows, last);
         let inner = path[table.fragments[group.fragment].path.len() + 1..].to_owned();
         let reference = self.add_group(Variables {
             prefix: inner,
@@ -132,35 +139,6 @@ impl Debugged {
             "evaluateName": path,
             "variablesReference": reference,
         })
-    }
-
-    /// Returns the first values of a group of flows as one text.
-    fn group_text(&self, command: usize, flows: &[usize]) -> String {
-        let mut text = String::new();
-        for (k, flow) in flows.iter().enumerate() {
-            let value = self.value_text(command, *flow);
-            if text.len() + value.len() > MAX_TEXT {
-                text.push_str(if k == 0 { "..." } else { ", ..." });
-                break;
-            }
-            if k > 0 {
-                text.push_str(", ");
-            }
-            text.push_str(&value);
-        }
-        format!("({text})")
-    }
-
-    /// Returns the value of a flow of a command as text. An equation behind the present one has not been evaluated.
-    fn value_text(&self, command: usize, flow: usize) -> String {
-        let command = &self.debugger.stop().commands[command];
-        let table = &self.debugger.tables()[command.table];
-        let at = self.equation.filter(|(id, _)| *id == command.id);
-        let last = at.and_then(|(id, at)| self.debugger.equations(id).get(at).copied());
-        match last.is_some_and(|last| flow > last) {
-            true => "not yet evaluated".to_owned(),
-            false => command.text(table, flow),
-        }
     }
 
     /// Evaluates an expression of the language with the equations of a frame. A name is looked up; anything else is compiled with the
@@ -191,7 +169,7 @@ impl Debugged {
         let flow = flow.or_else(|| only_active(command, table, name));
         if let Some(flow) = flow {
             return Some(json!({
-                "result": self.value_text(frame.command, flow),
+                "result": value_text(command, table, flow, self.present_equation(command.id)),
                 "type": table.flows[flow].ty.to_string(),
                 "variablesReference": 0,
             }));
@@ -257,6 +235,41 @@ impl Debugged {
         let place =
             place.ok_or_else(|| "this command is not in the text of the program".to_owned())?;
         Ok(place.1)
+    }
+}
+
+/// Returns the first values of a group of flows as one text.
+fn group_text(
+    command: &RunningCommand,
+    table: &FlowTable,
+    flows: &[usize],
+    last: Option<usize>,
+) -> String {
+    let mut text = String::new();
+    for (k, flow) in flows.iter().enumerate() {
+        let value = value_text(command, table, *flow, last);
+        if text.len() + value.len() > MAX_TEXT {
+            text.push_str(if k == 0 { "..." } else { ", ..." });
+            break;
+        }
+        if k > 0 {
+            text.push_str(", ");
+        }
+        text.push_str(&value);
+    }
+    format!("({text})")
+}
+
+/// Returns the value of a flow of a command as text. If equations are stepped through, those behind `last` have not been evaluated.
+fn value_text(
+    command: &RunningCommand,
+    table: &FlowTable,
+    flow: usize,
+    last: Option<usize>,
+) -> String {
+    match last.is_some_and(|last| flow > last) {
+        true => "not yet evaluated".to_owned(),
+        false => command.text(table, flow),
     }
 }
 

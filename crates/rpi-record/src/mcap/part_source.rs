@@ -46,17 +46,10 @@ impl PartSource {
     ///
     /// # Errors
     /// Returns an error if the file cannot be opened.
-    pub(super) fn open_for_seeking(&self) -> Result<Box<dyn PartInput>, RecordingError> {
+    pub(super) fn open(&self) -> Result<Box<dyn PartInput>, RecordingError> {
         Ok(match self {
             PartSource::File(path) => Box::new(File::open(path).map_err(read_error)?),
             PartSource::Bytes(bytes) => Box::new(Cursor::new(Arc::clone(bytes))),
-        })
-    }
-
-    fn open(&self) -> io::Result<Box<dyn Read + '_>> {
-        Ok(match self {
-            PartSource::File(path) => Box::new(File::open(path)?),
-            PartSource::Bytes(bytes) => Box::new(&bytes[..]),
         })
     }
 
@@ -87,7 +80,7 @@ impl PartSource {
         mut take: impl FnMut(Record<'_>) -> ReadOn,
     ) -> Result<Option<PartEnd>, RecordingError> {
         let has_end = self.has_end().map_err(read_error)?;
-        let mut input = self.open().map_err(read_error)?;
+        let mut input = self.open()?;
         let mut reader = LinearReader::new_with_options(options());
         let mut checksum = Hasher::new();
         while let Some(event) = reader.next_event() {

@@ -53,7 +53,7 @@ struct RecordReader {
 impl RecordReader {
     /// Opens a file at a record; 0 is the start of the file.
     fn open(part: &PartSource, offset: u64, is_cut: bool) -> Result<RecordReader, RecordingError> {
-        let mut input = part.open_for_seeking()?;
+        let mut input = part.open()?;
         input.seek(SeekFrom::Start(offset)).map_err(read_error)?;
         let options = LinearReaderOptions {
             skip_start_magic: offset > 0,
