@@ -1,7 +1,8 @@
 //! `cargo xtask test`: builds all tests of the workspace and runs their programs, two at a time.
 //!
 //! `cargo test` runs one program after another, and many of ours have one long test, so that a core waits. The programs
-//! are the same, with the environment that `cargo test` gives them.
+//! are the same, with the environment that `cargo test` gives them. Those that mostly wait, for a browser or the clock,
+//! run beside the others, as the examples in the documentation do.
 
 use std::collections::VecDeque;
 use std::path::PathBuf;
@@ -20,19 +21,20 @@ const AT_ONCE: usize = 2;
 const LONGEST: &[&str] = &[
     "tidy",
     "properties",
-    "python",
-    "takeovers",
-    "view",
     "entries",
+    "takeovers",
     "chaos",
     "primitives",
     "c_target",
     "endless",
-    "server",
     "jobs",
     "motion",
     "import",
 ];
+
+/// Programs that mostly wait, the longest first: they need about a third of a core. They run one after the other, beside
+/// the rest.
+const WAITING: &[&str] = &["python", "view", "rtde", "server", "udp_arm", "teach"];
 
 /// Programs that measure how soon a server answers under load. They run last, one after the other.
 const ALONE: &[&str] = &["attacks"];
@@ -64,6 +66,38 @@ impl Finished {
     }
 }
 
+/// Test programs by the way in which they run.
+struct Lanes {
+    /// Programs that use a core each.
+    busy: Vec<Program>,
+    waiting: Vec<Program>,
+    alone: Vec<Program>,
+}
+
+impl Lanes {
+    fn sort(programs: Vec<Program>) -> Lanes {
+        let (alone, rest): (Vec<_>, Vec<_>) = programs
+            .into_iter()
+            .partition(|program| rank(program, ALONE).is_some());
+        let (mut waiting, mut busy): (Vec<_>, Vec<_>) = rest
+            .into_iter()
+            .partition(|program| rank(program, WAITING).is_some());
+        for (lane, longest) in [(&mut busy, LONGEST), (&mut waiting, WAITING)] {
+            lane.sort_by_key(|program| rank(program, longest).unwrap_or(longest.len()));
+        }
+        Lanes {
+            busy,
+            waiting,
+            alone,
+        }
+    }
+}
+
+/// Returns the place of a program in a list; `None` if the list does not contain it.
+fn rank(program: &Program, list: &[&str]) -> Option<usize> {
+    list.iter().position(|name| *name == program.name)
+}
+
 /// Carries out `cargo xtask test`: builds and runs all tests, or those of the programs that are named, then the examples in
 /// the documentation. Prints the output of each program when it ends.
 pub(crate) fn test(args: &[String]) -> Result<(), TaskError> {
@@ -71,22 +105,36 @@ pub(crate) fn test(args: &[String]) -> Result<(), TaskError> {
     if !args.is_empty() {
         programs.retain(|program| args.contains(&program.name));
     }
-    let rank = |program: &Program| LONGEST.iter().position(|name| *name == program.name);
-    programs.sort_by_key(|program| rank(program).unwrap_or(LONGEST.len()));
     let count = programs.len();
-    let is_alone = |program: &Program| ALONE.contains(&program.name.as_str());
-    let (alone, together): (Vec<_>, Vec<_>) = programs.into_iter().partition(is_alone);
-    let mut finished = run_all(together, AT_ONCE);
-    finished.extend(run_all(alone, 1));
+    let lanes = Lanes::sort(programs);
+    let mut finished = Vec::new();
+    let mut examples = Ok(());
+    std::thread::scope(|scope| {
+        let waiting = scope.spawn(|| {
+            let finished = run_all(lanes.waiting, 1);
+            let examples = if args.is_empty() {
+                run_doc_tests()
+            } else {
+                Ok(())
+            };
+            (finished, examples)
+        });
+        finished = run_all(lanes.busy, AT_ONCE);
+        match waiting.join() {
+            Ok((waited, examined)) => {
+                finished.extend(waited);
+                examples = examined;
+            }
+            Err(panic) => std::panic::resume_unwind(panic),
+        }
+    });
+    finished.extend(run_all(lanes.alone, 1));
     print_slowest(&finished);
     let failed = finished.iter().filter(|finished| !finished.has_passed());
     let failed: Vec<&str> = failed
         .map(|finished| finished.program.name.as_str())
         .collect();
-    if args.is_empty() {
-        run_doc_tests()?;
-    }
-    match failed.is_empty() {
+    let programs = match failed.is_empty() {
         true => {
             println!("all {count} test programs have passed");
             Ok(())
@@ -97,7 +145,8 @@ pub(crate) fn test(args: &[String]) -> Result<(), TaskError> {
             failed.join(", ")
         )
         .into()),
-    }
+    };
+    programs.and(examples)
 }
 
 /// Builds all tests and returns their programs.
