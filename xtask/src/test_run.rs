@@ -23,7 +23,6 @@ const LONGEST: &[&str] = &[
     "properties",
     "entries",
     "takeovers",
-    "chaos",
     "primitives",
     "c_target",
     "endless",
@@ -36,8 +35,9 @@ const LONGEST: &[&str] = &[
 /// the rest.
 const WAITING: &[&str] = &["python", "view", "rtde", "server", "udp_arm", "teach"];
 
-/// Programs that measure how soon a server answers under load. They run last, one after the other.
-const ALONE: &[&str] = &["attacks"];
+/// Programs that measure how soon a server answers under load, or let its cycle run beside many clients. They run last, one
+/// after the other.
+const ALONE: &[&str] = &["attacks", "chaos"];
 
 /// Number of programs in the list of the slowest.
 const SLOWEST: usize = 12;
