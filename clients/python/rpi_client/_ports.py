@@ -5,7 +5,7 @@ from __future__ import annotations
 import re
 from collections.abc import Mapping
 from enum import Enum
-from typing import Any, Union
+from typing import Any, Union, cast
 
 from ._flow_types import FlowType, Value, _items
 
@@ -54,7 +54,7 @@ class Ports:
                 node = node[step]
             else:
                 return None
-        return node
+        return cast(Value, node)
 
     def encode(self, values: Mapping[str, Any]) -> dict[str, str]:
         """Returns the texts of the ports by key. ``ValueError`` for an unknown name; otherwise as :meth:`FlowType.encode`."""

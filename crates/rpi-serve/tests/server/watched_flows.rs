@@ -12,6 +12,8 @@ use crate::client::{open, server, settings};
 use crate::rules::Owner;
 
 const PROGRAM: &str = "
+use motion;
+
 node Smooth (x: real) returns (y: real)
 var last: real;
 let
@@ -33,7 +35,7 @@ let
   finish over when n = 60;
 tel
 
-task All let Turn(); tel
+task All (arm: Arm) let Turn(arm); tel
 ";
 
 /// Bits of all set-points of the commands, in the order of the cycles.
