@@ -111,6 +111,7 @@ class Session:
         feedback_period: float = 0.02,
         on_overrun: str | None = None,
         enums: Mapping[str, type[Enum]] | None = None,
+        watch: Sequence[str] = (),
     ) -> Goal:
         """Loads a command of a program (``language="rpi"``) or a net (``"rpinet"``); periods in s, 0 for the server's tick.
 
@@ -119,8 +120,12 @@ class Session:
 
         ``on_overrun`` is what becomes of it if its cycles take too long: ``"count"``, ``"abort:N/M"`` (it ends at the Nth of M
         cycles) or ``"stop:N/M"`` (everything does); the default of the server unless given.
+
+        ``watch`` names flows whose values the feedback has besides the exports, such as ``"Move.Approach.way.travelled"``: the command,
+        the calls and fragments around the flow, and its name. The name of a command, call or fragment stands for all flows inside. At most
+        256 names. :meth:`Goal.watch` yields their values.
         """
-        params: dict[str, Any] = {"session": self.name, "text": text, "language": language, "period": period}
+        params: dict[str, Any] = {"session": self.name, "text": text, "language": language, "period": period, "watch": list(watch)}
         if command is not None:
             params["command"] = command
         if on_overrun is not None:
@@ -132,11 +137,17 @@ class Session:
         return goal
 
     async def load_task(
-        self, text: str, *, task: str | None = None, period: float = 0.0, on_overrun: str | None = None
+        self,
+        text: str,
+        *,
+        task: str | None = None,
+        period: float = 0.0,
+        on_overrun: str | None = None,
+        watch: Sequence[str] = (),
     ) -> Task:
-        """Loads a task of a program, which the server carries out; the period in s, 0 for the server's tick; ``on_overrun`` as for
-        :meth:`load`, for each of its commands."""
-        params: dict[str, Any] = {"session": self.name, "text": text, "period": period}
+        """Loads a task of a program, which the server carries out; the period in s, 0 for the server's tick; ``on_overrun`` and
+        ``watch`` as for :meth:`load`, for each of its commands."""
+        params: dict[str, Any] = {"session": self.name, "text": text, "period": period, "watch": list(watch)}
         if task is not None:
             params["task"] = task
         if on_overrun is not None:
@@ -265,6 +276,26 @@ class Goal:
                 yield update
         finally:
             self._readers.remove(news)
+
+    async def watch(self, flow: str) -> AsyncIterator[Value]:
+        """Yields the present value of a flow, and then each new one until the command has ended. ``flow`` is an export, or a flow that was
+        named in ``watch`` when the command was loaded, with or without the name of the command before it. ``ValueError`` for any other.
+
+        Updates have the latest value at the end of each feedback period: with a period of several cycles, values between are left out."""
+        key = self._flow_key(flow)
+        last: Value = None
+        async for feedback in self.feedback():
+            value = self._exports.find(key, feedback.values)
+            if value is not None and value != last:
+                last = value
+                yield value
+
+    def _flow_key(self, flow: str) -> str:
+        """Returns the name of a flow without that of the command."""
+        for key in (flow, flow.removeprefix(f"{self.title}.")):
+            if self._exports.has(key):
+                return key
+        raise ValueError(f"{flow} is not watched; name it in `watch` when the command is loaded")
 
     async def table(self) -> Table:
         """Waits for its end, and returns all feedback from now on as a table: a row for each update, with the time of its reception."""

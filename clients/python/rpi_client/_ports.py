@@ -5,7 +5,7 @@ from __future__ import annotations
 import re
 from collections.abc import Mapping
 from enum import Enum
-from typing import Any, Union
+from typing import Any, Union, cast
 
 from ._flow_types import FlowType, Value, _items
 
@@ -36,6 +36,25 @@ class Ports:
         if isinstance(tree, dict):
             return {name: self._nested(part, values) for name, part in tree.items()}
         return values.get(tree)
+
+    def has(self, name: str) -> bool:
+        """Returns whether this is the name of a flow, or of a part of one."""
+        return any(key == name or key.startswith((f"{name}.", f"{name}[")) for key in self.types)
+
+    @staticmethod
+    def find(name: str, values: Mapping[str, Value]) -> Value:
+        """Returns the value of a flow, or of a part of one, from nested values; None if it has none."""
+        if name in values:
+            return values[name]
+        node: Any = values
+        for step in _steps(name):
+            if isinstance(node, Mapping):
+                node = node.get(step)
+            elif isinstance(node, list) and isinstance(step, int) and step < len(node):
+                node = node[step]
+            else:
+                return None
+        return cast(Value, node)
 
     def encode(self, values: Mapping[str, Any]) -> dict[str, str]:
         """Returns the texts of the ports by key. ``ValueError`` for an unknown name; otherwise as :meth:`FlowType.encode`."""
@@ -87,10 +106,12 @@ def _is_absent(value: Value) -> bool:
 
 
 def _tree_of(keys: list[str]) -> dict[str, _Tree]:
-    """Nests keys by their dots and indices. A key that contradicts an earlier one, as those of nets may, stays as it is."""
+    """Nests keys by their dots and indices. A key that contradicts another one, as those of nets may, stays as it is: that of a flow
+    inside a call (``level.inner``) beside that of the result of the call (``level``)."""
     root: dict[Any, Any] = {}
+    known = set(keys)
     for key in keys:
-        *path, last = _steps(key)
+        *path, last = [key] if _is_within(key, known) else _steps(key)
         node: Any = root
         for step in path:
             node = node.setdefault(step, {}) if isinstance(node, dict) else None
@@ -99,6 +120,11 @@ def _tree_of(keys: list[str]) -> dict[str, _Tree]:
         else:
             root[key] = key
     return {name: _listed(tree) for name, tree in root.items()}
+
+
+def _is_within(key: str, known: set[str]) -> bool:
+    """Returns whether the beginning of a key, up to a dot or an index, is a key itself."""
+    return any(key[:k] in known for k, sign in enumerate(key) if sign in ".[")
 
 
 def _steps(key: str) -> list[str | int]:

@@ -13,8 +13,9 @@ import subprocess
 import tempfile
 import time
 import unittest
+from typing import Any
 
-from rpi_client import RpiError, connect
+from rpi_client import Goal, RpiError, connect
 
 COUNT = """
 command Count ()
@@ -25,9 +26,26 @@ let
 tel
 """
 
+WATCHED = """
+node Half (x: real) returns (y: real) let y = 0.5 * x; tel
+
+command Main ()
+let
+  n = 0 -> pre n + 1;
+  level = Half(real n);
+  both = [n, 2 * n];
+  finish done when n >= 300;
+tel
+"""
+
 GAIN = """{in=Core::DoubleNetcommIn(Key='gain',Value='1.0'),
 two=Core::DoubleMultiply(inFirst=in.outValue,Second='2.0'),
 out=Core::DoubleNetcommOut(inValue=two.outValue,Key='twice')}"""
+
+
+async def values_of(goal: Goal, flow: str) -> list[Any]:
+    """Returns all values of a flow until its command has ended."""
+    return [value async for value in goal.watch(flow)]
 
 
 @unittest.skipUnless("RPI" in os.environ, "RPI does not name the server's program")
@@ -77,6 +95,34 @@ class ClientTest(unittest.IsolatedAsyncioTestCase):
             self.assertEqual((ending.result, ending.error, ending.cycles), ("done", 0, 300))
             self.assertEqual(updates[-1].values["n"], 300)
             self.assertEqual((await first.result()).result, "done")
+
+    async def test_watched_flows_have_typed_values(self) -> None:
+        async with await connect(self.path) as core:
+            session = await core.open_session("test")
+            goal = await session.load(WATCHED, watch=["Main"])
+            flows = ("Main.level", "n", "Main.both", "both[1]")
+            readers = [asyncio.create_task(values_of(goal, flow)) for flow in flows]
+            await asyncio.sleep(0)
+            await goal.start()
+            level, counts, both, twice = [await asyncio.wait_for(reader, 30) for reader in readers]
+            self.assertEqual((counts[-1], both[-1], twice[-1]), (300, [300, 600], 600))
+            self.assertEqual(counts, sorted(counts))
+            self.assertIsInstance(level[-1], float)
+            ending = await goal.result()
+            # The flows inside of the call stand beside its result.
+            self.assertEqual(ending.values["level.y"], ending.values["level"])
+
+    async def test_flows_that_are_not_watched_are_errors(self) -> None:
+        async with await connect(self.path) as core:
+            session = await core.open_session("test")
+            goal = await session.load(WATCHED, watch=["Main.n"])
+            with self.assertRaisesRegex(ValueError, "Main.level is not watched"):
+                await values_of(goal, "Main.level")
+            with self.assertRaises(RpiError) as refused:
+                await session.load(WATCHED, watch=["Main.levle"])
+            self.assertIn("did you mean `Main.level`", "".join([str(refused.exception), *refused.exception.reasons]))
+            with self.assertRaises(RpiError):
+                await session.load_task(WATCHED + "task All let Main(); tel", watch=["Main.levle"])
 
     async def test_inputs_and_abort(self) -> None:
         async with await connect(self.path) as core:

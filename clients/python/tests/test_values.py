@@ -138,6 +138,20 @@ class PortsTest(unittest.TestCase):
         values = odd.nest(odd.decode({key: str(k) for k, key in enumerate(odd.types)}))
         self.assertEqual(values, {"a": 0, "a.b": 1, "c": {"1": 2}, "d..e": 3, "f": {"0": 4, "g": 5}})
 
+    def test_flows_inside_a_call_stand_beside_its_result(self) -> None:
+        for keys in (["level.inner.y", "level.n[0]", "level"], ["level", "level.n[0]", "level.inner.y"]):
+            watched = ports(**dict.fromkeys(keys, "int"))
+            values = watched.nest(watched.decode(dict.fromkeys(keys, "1")))
+            self.assertEqual(values, dict.fromkeys(keys, 1))
+            self.assertEqual([watched.find(key, values) for key in keys], [1, 1, 1])
+
+    def test_parts_of_flows_are_found(self) -> None:
+        rows = ports(**{"k[0]": "real", "k[1]": "real", "rows[0].a": "real"})
+        values = rows.nest(rows.decode({"k[1]": "2.0", "rows[0].a": "3.0"}))
+        found = [rows.find(name, values) for name in ("k", "k[1]", "k[0]", "rows[0].a", "k[7]", "rows.a", "rows[0]")]
+        self.assertEqual(found, [[None, 2.0], 2.0, None, 3.0, None, None, {"a": 3.0}])
+        self.assertEqual([rows.has(name) for name in ("k", "k[1]", "rows[0]", "ro", "k[2]")], [True, True, True, False, False])
+
     def test_enums(self) -> None:
         described = [{"key": key, "type": "int"} for key in ("mode", "row[0].mode", "row[1].mode", "count")]
         modes = Ports(described, {"mode": Mode, "row.mode": Mode})

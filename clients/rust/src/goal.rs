@@ -68,6 +68,9 @@ pub struct Program {
     /// Policy for overruns (cycles that take too long): `count`, `abort:N/M` (the command ends at the Nth overrun
     /// within M cycles) or `stop:N/M` (everything is stopped). `None` for the default of the server.
     pub on_overrun: Option<String>,
+    /// Flows whose values the feedback has besides the exports: names that begin with the command, such as
+    /// `Move.Approach.way.travelled`. A name of a command, call or fragment stands for all flows inside. At most 256 names.
+    pub watch: Vec<String>,
 }
 
 impl Program {
@@ -82,6 +85,7 @@ impl Program {
             period: Duration::ZERO,
             feedback_period: Duration::from_millis(20),
             on_overrun: None,
+            watch: Vec::new(),
         }
     }
 }
@@ -111,6 +115,7 @@ impl Session {
             "command": program.command,
             "period": program.period.as_secs_f64(),
             "on_overrun": program.on_overrun,
+            "watch": program.watch,
         });
         let loaded = self.client.call("command.load", params)?;
         let name = loaded["command"].as_str().unwrap_or_default().to_owned();
@@ -138,6 +143,7 @@ impl Session {
             "task": program.command,
             "period": program.period.as_secs_f64(),
             "on_overrun": program.on_overrun,
+            "watch": program.watch,
         });
         Task::load(&self.client, params)
     }
@@ -192,7 +198,8 @@ pub struct Feedback {
     /// State of the command: `ready`, `scheduled`, `running`, `cancelling` or `terminated`; `unloaded` if the command
     /// never ran.
     pub state: String,
-    /// Latest values of the exported flows, by the key of the export.
+    /// Latest values of the exported flows by the key of the export, and of the watched flows by their names without that
+    /// of the command.
     pub values: BTreeMap<String, String>,
     /// Description of the discontinuity (jump) between the first set-points of the command and those of its
     /// predecessor; `None` if there was none.

@@ -101,6 +101,23 @@ fn goals_follow_one_another_and_tell_how_it_goes() {
 }
 
 #[test]
+fn watched_flows_are_in_the_feedback() {
+    let server = server(None);
+    let client = Client::connect(&server.address().to_string(), None).unwrap();
+    let session = client.open_session("test", OnLoss::Cancel).unwrap();
+    let text = COUNT.replace("export n;", "export n;\n  twice = 2 * n;");
+    let program = Program {
+        watch: vec!["Count.twice".to_owned()],
+        ..Program::new(text)
+    };
+    let goal = session.load(&program).unwrap();
+    goal.start().unwrap();
+    let last = goal.feedback().last().unwrap();
+    assert_eq!([&last.values["n"], &last.values["twice"]], ["200", "400"]);
+    session.close().unwrap();
+}
+
+#[test]
 fn rules_start_commands_unless_they_are_withdrawn() {
     let server = server(None);
     let client = Client::connect(&server.address().to_string(), None).unwrap();

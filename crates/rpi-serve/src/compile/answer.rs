@@ -192,6 +192,7 @@ mod tests {
                 text: text.into(),
                 command: None,
                 arm_axes: None,
+                watch: Vec::new(),
             },
             period_ns: 2_000_000,
             tick_ns: 1_000_000,

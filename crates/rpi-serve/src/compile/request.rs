@@ -34,6 +34,9 @@ pub(crate) struct Source {
     pub(crate) command: Option<String>,
     /// Number of axes of the arms of the cell; `None` if they differ.
     pub(crate) arm_axes: Option<u32>,
+    /// Flows that the commands export besides those of the text: names that begin with the command, such as
+    /// `Move.Approach.way.travelled`. A name of a command, call or fragment stands for all flows inside.
+    pub(crate) watch: Vec<String>,
 }
 
 /// Request to compile a text.
@@ -60,13 +63,15 @@ impl Encoding for Source {
     const MIN_BYTES: usize = Language::MIN_BYTES
         + String::MIN_BYTES
         + Option::<String>::MIN_BYTES
-        + Option::<u32>::MIN_BYTES;
+        + Option::<u32>::MIN_BYTES
+        + Vec::<String>::MIN_BYTES;
 
     fn encode(&self, out: &mut Bytes) {
         self.language.encode(out);
         String::from(&*self.text).encode(out);
         self.command.encode(out);
         self.arm_axes.encode(out);
+        self.watch.encode(out);
     }
 
     fn decode(from: &mut Reader<'_>) -> Result<Source, ReadError> {
@@ -75,6 +80,7 @@ impl Encoding for Source {
             text: String::decode(from)?.into(),
             command: Option::decode(from)?,
             arm_axes: Option::decode(from)?,
+            watch: Vec::decode(from)?,
         })
     }
 }

@@ -114,13 +114,19 @@ fn compiled(source: &Source) -> Result<Compiled, Vec<String>> {
         // The text has no file, so it must not load modules from the server's folders.
         no_files: true,
         arm_axes: source.arm_axes.into(),
+        watch: source.watch.clone(),
         ..Default::default()
     };
     let compiled = rpi_driver::compile_with(&input, options);
     let compiled = compiled.map_err(|e| vec![e.to_string()])?;
-    match compiled.has_errors() {
-        true => Err(error_texts(&compiled)),
-        false => Ok(compiled),
+    if compiled.has_errors() {
+        return Err(error_texts(&compiled));
+    }
+    let unknown = compiled.unknown_flows.iter().map(ToString::to_string);
+    let unknown: Vec<String> = unknown.take(MAX_ERRORS).collect();
+    match unknown.is_empty() {
+        true => Ok(compiled),
+        false => Err(unknown),
     }
 }
 

@@ -207,6 +207,7 @@ impl DioConnection {
             // A negative or huge period saturates in the cast and is rejected or rounded up later.
             period_ns: (seconds.min(3600.0) * 1e9) as u64,
             on_overrun: None,
+            watch: Vec::new(),
         };
         self.ensure_may_act([&load.session].into_iter())?;
         let mut state = self.state.lock();

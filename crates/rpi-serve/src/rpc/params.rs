@@ -22,7 +22,19 @@ impl<'a> Call<'a> {
             command: self.optional(named, text_type())?,
             period_ns: u64::try_from(self.seconds("period", 0.0)?.as_nanos()).unwrap_or(u64::MAX),
             on_overrun: self.on_overrun()?,
+            watch: self.watched_flows()?,
         })
+    }
+
+    /// Returns the names of flows in the parameter `watch`; an empty list without this parameter.
+    fn watched_flows(&self) -> Result<Vec<&'a str>, ApiError> {
+        let names = self.texts("watch")?;
+        match names.len() {
+            0..=MAX_WATCHED_NAMES => Ok(names),
+            count => Err(ApiError::Invalid(format!(
+                "watch: at most {MAX_WATCHED_NAMES} names, found {count}; the name of a command, call or fragment stands for all flows inside"
+            ))),
+        }
     }
 
     /// Returns the policy in the parameter `on_overrun` for cycles that take too long; `None` without this parameter.
@@ -147,6 +159,9 @@ impl<'a> Call<'a> {
         usable.ok_or_else(bad)
     }
 }
+
+/// Maximum number of names in the parameter `watch`. The compiler compares every name with every flow.
+const MAX_WATCHED_NAMES: usize = 256;
 
 /// Maximum duration that a client may give in a parameter.
 const LONGEST: Duration = Duration::from_secs(3600);

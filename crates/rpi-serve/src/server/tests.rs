@@ -29,6 +29,7 @@ fn swing(shared: &SharedState) {
         command: None,
         period_ns: 0,
         on_overrun: None,
+        watch: Vec::new(),
     };
     let starter = shared.clone();
     let started = move |name: Result<String, _>| {

@@ -169,6 +169,7 @@ mod tests {
                     text: "".into(),
                     command: None,
                     arm_axes: None,
+                    watch: Vec::new(),
                 },
                 period_ns: 1,
                 tick_ns: 1,

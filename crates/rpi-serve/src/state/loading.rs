@@ -35,12 +35,15 @@ pub(crate) struct LoadRequest<'a> {
     pub(crate) period_ns: u64,
     /// Policy for cycles that take too long; `None` for the default of the server.
     pub(crate) on_overrun: Option<CommandOverrunPolicy>,
+    /// Names of flows that the commands export besides those of the text.
+    pub(crate) watch: Vec<&'a str>,
 }
 
 impl LoadRequest<'_> {
     /// Returns the number of bytes of text that the server stores for the request.
     fn bytes(&self) -> usize {
-        self.text.len() + self.command.map_or(0, str::len)
+        let watched: usize = self.watch.iter().map(|name| name.len()).sum();
+        self.text.len() + self.command.map_or(0, str::len) + watched
     }
 }
 
@@ -84,6 +87,7 @@ impl ServerState {
             command: None,
             period_ns: 0,
             on_overrun: None,
+            watch: Vec::new(),
         };
         let eval = Eval {
             reply,
@@ -163,6 +167,7 @@ impl Loading<'_> {
                     text: load.text.into(),
                     command: load.command.map(str::to_owned),
                     arm_axes: self.defaults.arm_axes,
+                    watch: load.watch.iter().map(|name| (*name).to_owned()).collect(),
                 },
                 period_ns: self.defaults.round_period(load.period_ns),
                 tick_ns: self.defaults.tick_ns,

@@ -27,3 +27,4 @@ mod roles;
 mod rules;
 mod slow_reader;
 mod updates;
+mod watched_flows;
