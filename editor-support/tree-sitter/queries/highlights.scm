@@ -9,8 +9,6 @@
 (unit_factor unit: _ @type.builtin)
 
 ; Types
-(basic_type) @type.builtin
-"real" @type.builtin
 (named_type name: (identifier) @type)
 (type_definition name: (identifier) @type.definition)
 (device name: (identifier) @type.definition)
@@ -68,3 +66,7 @@
 
 ((identifier) @variable.builtin
   (#any-of? @variable.builtin "cancel" "dt" "first" "none" "predecessor" "takeover" "time"))
+
+; After the words: `int` is also an operator, and the last pattern counts.
+(basic_type _ @type.builtin)
+"real" @type.builtin
