@@ -43,7 +43,7 @@ const TASKS: &[Task] = &[
     ),
     (
         "test",
-        "build and run all tests, or the test programs that are named, two programs at a time: [NAME ...]",
+        "build and run all tests, or the test programs that are named, several at a time: [NAME ...]",
         test_run::test,
     ),
     (

@@ -1,4 +1,4 @@
-//! `cargo xtask test`: builds all tests of the workspace and runs their programs, two at a time.
+//! `cargo xtask test`: builds all tests of the workspace and runs their programs, several at a time.
 //!
 //! `cargo test` runs one program after another, and many of ours have one long test, so that a core waits. The programs
 //! are the same, with the environment that `cargo test` gives them. Those that mostly wait, for a browser or the clock,
@@ -14,7 +14,7 @@ use serde_json::Value;
 
 use crate::task_error::TaskError;
 
-/// Number of programs that run at the same time. Each has as many threads as `cargo test` would give it.
+/// Number of programs that need a core and run at the same time. Each has as many threads as `cargo test` would give it.
 const AT_ONCE: usize = 2;
 
 /// Programs that take longest, the longest first: they start first, so that no long one is left at the end.
@@ -106,29 +106,7 @@ pub(crate) fn test(args: &[String]) -> Result<(), TaskError> {
         programs.retain(|program| args.contains(&program.name));
     }
     let count = programs.len();
-    let lanes = Lanes::sort(programs);
-    let mut finished = Vec::new();
-    let mut examples = Ok(());
-    std::thread::scope(|scope| {
-        let waiting = scope.spawn(|| {
-            let finished = run_all(lanes.waiting, 1);
-            let examples = if args.is_empty() {
-                run_doc_tests()
-            } else {
-                Ok(())
-            };
-            (finished, examples)
-        });
-        finished = run_all(lanes.busy, AT_ONCE);
-        match waiting.join() {
-            Ok((waited, examined)) => {
-                finished.extend(waited);
-                examples = examined;
-            }
-            Err(panic) => std::panic::resume_unwind(panic),
-        }
-    });
-    finished.extend(run_all(lanes.alone, 1));
+    let (finished, examples) = run_lanes(Lanes::sort(programs), args.is_empty());
     print_slowest(&finished);
     let failed = finished.iter().filter(|finished| !finished.has_passed());
     let failed: Vec<&str> = failed
@@ -182,6 +160,29 @@ fn program(message: &Value) -> Option<Program> {
         package,
         executable: message["executable"].as_str()?.into(),
         manifest,
+    })
+}
+
+/// Runs the programs of all lanes, and the examples in the documentation if `has_examples` is true. Returns the programs,
+/// and the result of the examples.
+fn run_lanes(lanes: Lanes, has_examples: bool) -> (Vec<Finished>, Result<(), TaskError>) {
+    std::thread::scope(|scope| {
+        let waiting = scope.spawn(|| {
+            let finished = run_all(lanes.waiting, 1);
+            let examples = if has_examples {
+                run_doc_tests()
+            } else {
+                Ok(())
+            };
+            (finished, examples)
+        });
+        let mut finished = run_all(lanes.busy, AT_ONCE);
+        let (waited, examples) = waiting
+            .join()
+            .unwrap_or_else(|panic| std::panic::resume_unwind(panic));
+        finished.extend(waited);
+        finished.extend(run_all(lanes.alone, 1));
+        (finished, examples)
     })
 }
 
