@@ -5,10 +5,9 @@ use std::path::{Path, PathBuf};
 use tree_sitter::{Node, Parser, Query};
 use tree_sitter_rpi::{FOLDS, HIGHLIGHTS, INDENTS, INJECTIONS, LANGUAGE, LOCALS, TAGS};
 
-/// Folders with programs. Programs with deliberate errors are in `tests/ui` and `tests/first-mistakes`.
-const FOLDERS: &[&str] = &[
-    "examples", "stdlib", "tests/meaning", "tests/nodes", "tests/lustre", "tests/exclusive", "tests/motion", "bench",
-];
+/// Folders with programs, one per line; the test of the TextMate grammar reads the same list. Programs with deliberate errors are in
+/// `tests/ui` and `tests/first-mistakes`.
+const FOLDERS: &str = include_str!("../../samples/program-folders.txt");
 
 fn root() -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("../..")
@@ -41,7 +40,7 @@ fn first_error(node: Node<'_>) -> Option<(usize, usize)> {
 #[test]
 fn programs_of_the_repository_parse_without_an_error() {
     let mut files = Vec::new();
-    for folder in FOLDERS {
+    for folder in FOLDERS.lines() {
         programs(&root().join(folder), &mut files);
     }
     files.sort();
