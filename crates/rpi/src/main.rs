@@ -24,6 +24,7 @@ mod random;
 mod random_inputs;
 mod recorded_run;
 mod recording_args;
+mod recording_edits;
 mod recording_verbs;
 mod replay;
 mod robot;

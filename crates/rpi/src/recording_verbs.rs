@@ -1,13 +1,13 @@
-//! `rpi recording info` and `rpi recording recover`.
+//! `rpi recording`: subcommands, and the code of `info` and `recover`.
 
 use std::fmt::Write;
 use std::path::{Path, PathBuf};
 
 use clap::Subcommand;
-use rpi_record::mcap::{RecordingSummary, complete, recording_files};
+use rpi_record::mcap::{Recording, RecordingError, RecordingSummary, complete, recording_files};
 
 use crate::exit::{CommandResult, Exit};
-use crate::recorded_run;
+use crate::recording_edits::{CutArgs, MergeArgs, cut_command, merge_command};
 
 /// Subcommands of `rpi recording`.
 #[derive(Debug, Subcommand)]
@@ -27,6 +27,16 @@ pub(crate) enum RecordingCommand {
         /// Recording (.mcap): the file of its first part.
         recording: PathBuf,
     },
+    /// Write a part of a recording to a recording of its own.
+    ///
+    /// A part from 0 on can be replayed. A later one is for `rpi view`, `rpi export` and other viewers: the state of the core at its
+    /// beginning is unknown.
+    Cut(CutArgs),
+    /// Write the messages of several recordings to one file for viewers, on a common time axis.
+    ///
+    /// Topics that several recordings have get the name of their file as first part of their names. The runs cannot be replayed from
+    /// the new file.
+    Merge(MergeArgs),
 }
 
 /// Carries out `rpi recording`.
@@ -34,15 +44,36 @@ pub(crate) fn recording(command: &RecordingCommand) -> CommandResult {
     match command {
         RecordingCommand::Info { recording, json } => info(recording, *json),
         RecordingCommand::Recover { recording } => recover(recording),
+        RecordingCommand::Cut(args) => cut_command(args),
+        RecordingCommand::Merge(args) => merge_command(args),
     }
 }
 
 fn info(path: &Path, json: bool) -> CommandResult {
-    let summary = recorded_run::open(path)?.summary();
+    let recording = match Recording::open(path) {
+        Err(RecordingError::Merged(names)) => return merged_info(path, &names, json),
+        opened => opened.map_err(|e| format!("{}: {e}", path.display()))?,
+    };
+    let summary = recording.summary();
     let summary = summary.map_err(|e| format!("{}: {e}", path.display()))?;
     rpi_cli::print(match json {
         true => format!("{}\n", as_json(&summary, path)),
         false => as_text(&summary, path),
+    })?;
+    Ok(Exit::Success)
+}
+
+/// Prints what is known about a merged recording: the names of the files that it was made of.
+fn merged_info(path: &Path, names: &str, json: bool) -> CommandResult {
+    rpi_cli::print(match json {
+        true => format!(
+            "{}\n",
+            serde_json::json!({ "merged": names.split(", ").collect::<Vec<_>>(), "replayable": false })
+        ),
+        false => format!(
+            "merged    {names}\nreplay    not possible: use the recordings that it was made of\nfile      {}\n",
+            path.display()
+        ),
     })?;
     Ok(Exit::Success)
 }
@@ -91,6 +122,12 @@ fn as_text(summary: &RecordingSummary, path: &Path) -> String {
             format!("{}, {:.2} MB", file.display(), size as f64 * 1e-6),
         );
     }
+    if !summary.is_replayable {
+        line(
+            "replay",
+            "not possible: the recording does not begin with the run".to_owned(),
+        );
+    }
     if summary.lost > 0 {
         line("lost", format!("{} ticks are missing", summary.lost));
     }
@@ -117,6 +154,7 @@ fn as_json(summary: &RecordingSummary, path: &Path) -> serde_json::Value {
         "files": files.collect::<Vec<_>>(),
         "lost": summary.lost,
         "cut": summary.cut,
+        "replayable": summary.is_replayable,
     })
 }
 

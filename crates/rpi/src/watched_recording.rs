@@ -31,6 +31,7 @@ pub(crate) fn compiled_again(
     program: Option<&Path>,
     lower: Lowering,
 ) -> Result<Compiled, Box<dyn Error>> {
+    recording.check_replayable()?;
     let program = RecordedProgram::new(recording, program)?;
     let compiled = program.compile(recording, (names, None), lower);
     let compiled = compiled.map(|compiled| compiled.compiled);

@@ -19,6 +19,13 @@ pub enum RecordingError {
     TooLong(usize),
     /// The recording lacks a part that is needed for reading it; the text names the part.
     Missing(String),
+    /// The recording was cut out of a longer one, so that it cannot be replayed; the time of its first tick in ns since the start of
+    /// the run.
+    Excerpt(u64),
+    /// The recording was merged from several; the names of their files.
+    Merged(String),
+    /// A new recording cannot be written; the text is the reason.
+    Unwritable(String),
 }
 
 impl RecordingError {
@@ -47,6 +54,20 @@ impl fmt::Display for RecordingError {
                 f,
                 "the recording is too long: it has more than {limit} values; select a shorter time"
             ),
+            RecordingError::Excerpt(from) => write!(
+                f,
+                "the recording begins {:.3} s after the start of the run and cannot be replayed: the state of the core at that time is \
+                 unknown; replay the recording that it was cut out of, or cut it from 0 on (`rpi recording cut FILE --to TIME`)",
+                *from as f64 * 1e-9
+            ),
+            RecordingError::Merged(files) => write!(
+                f,
+                "the recording is merged from {files}: it is for viewers of MCAP and cannot be replayed; use the recordings that it was \
+                 made of"
+            ),
+            RecordingError::Unwritable(why) => {
+                write!(f, "the new recording cannot be written: {why}")
+            }
             RecordingError::Missing(what) => write!(f, "the recording has no {what}"),
         }
     }

@@ -28,6 +28,19 @@ pub(super) struct Encoding {
     pub(super) schema: Vec<u8>,
 }
 
+/// Channel of another MCAP file, whose messages are copied.
+#[derive(Clone, PartialEq, Eq, Debug, Default)]
+pub(super) struct CopiedChannel {
+    /// Name of the topic.
+    pub(super) topic: String,
+    /// Encoding of the messages, such as `json` or `cdr`.
+    pub(super) message_encoding: String,
+    /// Metadata of the channel, such as the ROS 2 quality of service.
+    pub(super) metadata: BTreeMap<String, String>,
+    /// Name, language and text of the schema; `None` for a channel without one.
+    pub(super) schema: Option<(String, String, Vec<u8>)>,
+}
+
 /// MCAP channel of a file: its number in the file and the number of its last message.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct FileChannel {
@@ -61,6 +74,13 @@ struct CountingOutput {
 
 fn lock(progress: &Mutex<Progress>) -> std::sync::MutexGuard<'_, Progress> {
     progress.lock().unwrap_or_else(PoisonError::into_inner)
+}
+
+impl FileChannel {
+    /// Returns the number of the channel in its file.
+    pub(super) fn id(self) -> u16 {
+        self.id
+    }
 }
 
 impl CountingOutput {
@@ -137,6 +157,32 @@ impl McapFile {
         Ok(FileChannel { id, sequence: 0 })
     }
 
+    /// Adds a channel like that of another file, with its schema and metadata.
+    pub(super) fn add_copied_channel(
+        &mut self,
+        channel: &CopiedChannel,
+    ) -> io::Result<FileChannel> {
+        let schema = match &channel.schema {
+            Some((name, language, text)) => {
+                let schema = self.mcap.add_schema(name, language, text);
+                self.check(schema)?
+            }
+            // The number that MCAP reserves for channels without a schema.
+            None => 0,
+        };
+        let CopiedChannel {
+            topic,
+            message_encoding,
+            metadata,
+            ..
+        } = channel;
+        let id = self
+            .mcap
+            .add_channel(schema, topic, message_encoding, metadata);
+        let id = self.check(id)?;
+        Ok(FileChannel { id, sequence: 0 })
+    }
+
     /// Writes a message to a channel. `time` is in nanoseconds since the Unix epoch.
     pub(super) fn write_message(
         &mut self,
@@ -144,12 +190,23 @@ impl McapFile {
         time: u64,
         data: &[u8],
     ) -> io::Result<()> {
+        self.write_message_at(channel, (time, time), data)
+    }
+
+    /// Writes a message to a channel. The times at which it was recorded and published are in nanoseconds since the Unix
+    /// epoch.
+    pub(super) fn write_message_at(
+        &mut self,
+        channel: &mut FileChannel,
+        (log_time, publish_time): (u64, u64),
+        data: &[u8],
+    ) -> io::Result<()> {
         channel.sequence = channel.sequence.wrapping_add(1);
         let header = MessageHeader {
             channel_id: channel.id,
             sequence: channel.sequence,
-            log_time: time,
-            publish_time: time,
+            log_time,
+            publish_time,
         };
         let written = self.mcap.write_to_known_channel(&header, data);
         self.check(written)

@@ -16,6 +16,8 @@
 //! | attachments | cell description, source of the program |
 //! | metadata `rpi`, `rpi-end` | tick length, policy, program, number of the part; number of ticks written and lost, or of the next part, or the reason of a cut |
 //!
+//! Recordings that are made from others (`derived`) have further keys in the metadata `rpi`.
+//!
 //! A [`Profile`] selects the encoding of the messages. A recording may have several parts (`parts`), each a complete file.
 //!
 //! [`replay()`] replays a recording: it makes the same requests in the same ticks on a core whose devices are the
@@ -25,6 +27,7 @@
 mod bytes_encoding;
 mod chunk;
 mod completion;
+mod derived;
 mod error;
 mod event_json;
 mod field_tree;
@@ -39,6 +42,7 @@ mod parts;
 mod profile;
 mod reader;
 mod record_parser;
+mod record_reader;
 mod recorder;
 mod replay;
 mod replay_report;
@@ -58,6 +62,7 @@ mod value_json;
 mod writer;
 
 pub use completion::{CompletedRecording, complete, recording_files};
+pub use derived::{CutRecording, MergedRecording, TimeAxis, cut, merge};
 pub use error::RecordingError;
 pub use mcap_file::Output;
 pub use parts::{OpenPart, PartLimits, part_files, part_path, single_part};

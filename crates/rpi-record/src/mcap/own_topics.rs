@@ -20,6 +20,14 @@ pub(super) const REQUESTS: &str = "/rpi/requests";
 /// Topic with the events of the core, the devices and the recorder.
 pub(super) const EVENTS: &str = "/events";
 
+/// Beginning of the topics from which a recording is replayed.
+const EXACT_TOPICS: &str = "/rpi/";
+
+/// Returns whether a topic is for replays, and not for viewers.
+pub(super) fn is_exact(topic: &str) -> bool {
+    topic.starts_with(EXACT_TOPICS)
+}
+
 /// Name of the binary format in which the tick log of one tick is stored as a message.
 const TAPE_FORMAT: &str = "rpi-tape-1";
 /// Documentation of the binary format of the tick log. It is stored in every recording as the schema of the topic.

@@ -24,6 +24,24 @@ use super::{bytes_encoding, text_encoding};
 /// Maximum total size in bytes of the requests, events and images of a recording that are loaded into memory.
 const MAX_KEPT: usize = 1 << 30;
 
+/// Key of the metadata `rpi` of a recording that was cut out of another one: the number of its first tick. A recording that begins
+/// with the run does not have it.
+pub(super) const EXCERPT_FROM: &str = "excerpt_from";
+/// Key of the metadata `rpi` of a recording that was cut out of another one and ends before it: the number of the tick after its last
+/// one.
+pub(super) const EXCERPT_TO: &str = "excerpt_to";
+/// Key of the metadata `rpi` of a merged recording: the names of the files it was made of.
+pub(super) const MERGED: &str = "merged";
+
+/// Ticks of a recording that was cut out of another one; `None` where it begins or ends as the other one does.
+#[derive(Clone, Copy, PartialEq, Eq, Debug, Default)]
+pub(super) struct Excerpt {
+    /// Number of the first tick.
+    pub(super) from: Option<u64>,
+    /// Number of the tick after the last one.
+    pub(super) to: Option<u64>,
+}
+
 /// Content of a recording that was opened for a replay. The ticks stay in the files and are read when they are needed.
 #[derive(Clone, Debug)]
 pub struct Recording {
@@ -51,6 +69,9 @@ pub struct Recording {
     /// [`rpi_math::REVISION`] counts them; 0 for those of the library libm, before recordings contained the version.
     pub(super) functions: u32,
     pub(super) parts: Vec<PartSource>,
+    /// Profile in the header of the files: `ros2`, or empty.
+    pub(super) mcap_profile: String,
+    pub(super) excerpt: Excerpt,
 }
 
 /// Records of a recording that are loaded into memory: all but the ticks and the messages for viewers.
@@ -63,6 +84,8 @@ struct RecordCollection {
     /// Topic and message encoding of each channel of the part that is being read, by channel number.
     channels: BTreeMap<u16, (String, String)>,
     metadata: BTreeMap<String, BTreeMap<String, String>>,
+    /// Profile in the header of the first part.
+    mcap_profile: Option<String>,
     cell: Option<Vec<u8>>,
     /// Content of the program.
     program: Option<Vec<u8>>,
@@ -145,6 +168,23 @@ impl Recording {
         periods.max().unwrap_or(1).max(1)
     }
 
+    /// Returns an error if the recording does not begin with the run, so that the state of the core at its beginning is unknown.
+    ///
+    /// # Errors
+    /// Returns an error with the time of the first tick.
+    pub fn check_replayable(&self) -> Result<(), RecordingError> {
+        match self.excerpt.from {
+            None => Ok(()),
+            Some(tick) => Err(RecordingError::Excerpt(tick.saturating_mul(self.tick_ns))),
+        }
+    }
+
+    /// Returns whether the recording begins with the run, so that it can be replayed.
+    #[must_use]
+    pub fn is_replayable(&self) -> bool {
+        self.excerpt.from.is_none()
+    }
+
     /// Passes the words of each tick of the tick log to `take`, until it returns false.
     ///
     /// # Errors
@@ -204,6 +244,9 @@ impl RecordCollection {
 
     fn take(&mut self, record: Record<'_>) -> Result<(), RecordingError> {
         match record {
+            Record::Header(header) => {
+                self.mcap_profile.get_or_insert(header.profile);
+            }
             Record::Channel(channel) => {
                 let about = (channel.topic, channel.message_encoding);
                 self.channels.insert(channel.id, about);
@@ -277,6 +320,9 @@ impl RecordCollection {
     /// follows the previous part.
     fn check_head(&self) -> Result<(), RecordingError> {
         let number = self.part;
+        if let Ok(files) = self.key(MERGED) {
+            return Err(RecordingError::Merged(files.to_owned()));
+        }
         let form = self.key("form")?;
         if form != FORM {
             let version = self.key("version").unwrap_or("?");
@@ -340,6 +386,11 @@ impl RecordCollection {
             continuity: policy_from_keyword(self.key("on_jump")?).unwrap_or_default(),
             cell: self.cell()?,
             functions: self.functions_version(),
+            excerpt: Excerpt {
+                from: self.tick(EXCERPT_FROM)?,
+                to: self.tick(EXCERPT_TO)?,
+            },
+            mcap_profile: self.mcap_profile.unwrap_or_default(),
             images: self.images,
             requests: self.requests,
             events: self.events,
@@ -348,6 +399,13 @@ impl RecordCollection {
             is_watched: false,
             parts,
         })
+    }
+
+    /// Returns the number of a tick in the metadata; `None` without this key.
+    fn tick(&self, key: &str) -> Result<Option<u64>, RecordingError> {
+        let tick = self.key(key).ok().map(str::parse);
+        let wrong = |_| RecordingError::Damaged(format!("`{key}` is no number of a tick"));
+        tick.transpose().map_err(wrong)
     }
 
     fn functions_version(&self) -> u32 {
@@ -365,7 +423,8 @@ impl RecordCollection {
     }
 }
 
-fn json(topic: &str, encoding: &str, data: &[u8]) -> Result<Value, RecordingError> {
+/// Decodes the JSON text in a message of a topic.
+pub(super) fn json(topic: &str, encoding: &str, data: &[u8]) -> Result<Value, RecordingError> {
     let text = text_encoding::decode(encoding, data);
     serde_json::from_slice(text).map_err(|e| RecordingError::Damaged(format!("{topic}: {e}")))
 }

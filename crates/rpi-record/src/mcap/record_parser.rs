@@ -28,6 +28,9 @@ fn layout(opcode: u8) -> Option<TextLayout> {
         after,
     };
     match opcode {
+        op::HEADER => Some(layout(0, 2, false, 0)),
+        // The third text is the schema itself, which may be any bytes.
+        op::SCHEMA => Some(layout(2, 3, false, 0)),
         op::CHANNEL => Some(layout(4, 2, true, 0)),
         op::MESSAGE => Some(layout(0, 0, false, 0)),
         // The length of the data and the checksum.
@@ -118,8 +121,9 @@ mod tests {
         }
         assert!(parse(op::CHANNEL, &[0; 3]).is_err());
         assert_eq!(
-            parse(op::SCHEMA, &[0xff; 20]).map(|found| found.is_none()),
+            parse(op::STATISTICS, &[0xff; 20]).map(|found| found.is_none()),
             Ok(true)
         );
+        assert!(parse(op::SCHEMA, &[0xff; 20]).is_err());
     }
 }

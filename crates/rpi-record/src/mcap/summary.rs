@@ -25,6 +25,8 @@ pub struct RecordingSummary {
     pub lost: u64,
     /// Reason why the recording has no end; `None` for a complete recording.
     pub cut: Option<String>,
+    /// Whether the recording begins with the run, so that it can be replayed.
+    pub is_replayable: bool,
 }
 
 /// Command that was started during a recording.
@@ -68,6 +70,7 @@ impl Recording {
             commands: commands(&self.events),
             lost: self.lost,
             cut: self.cut.clone(),
+            is_replayable: self.is_replayable(),
         })
     }
 }

@@ -1,18 +1,14 @@
 //! Reads the ticks of a recording one by one, from any position that was reached before.
 
 use std::collections::{BTreeMap, VecDeque};
-use std::io::{Read, Seek, SeekFrom};
 
-use mcap::records::{Record, op};
-use mcap::sans_io::linear_reader::{LinearReadEvent, LinearReader, LinearReaderOptions};
+use mcap::records::Record;
 
+use super::bytes_encoding;
 use super::error::RecordingError;
 use super::own_topics::TAPE;
-use super::part_source::{MAGIC, MAX_RECORD, PartInput, PartSource, damaged, read_error};
-use super::{bytes_encoding, chunk, record_parser};
-
-/// Length in bytes of the head of an MCAP record: opcode and length field.
-const RECORD_HEAD: u64 = 1 + 8;
+use super::part_source::PartSource;
+use super::record_reader::RecordReader;
 
 /// Position of a tick in the files of a recording.
 #[derive(Clone, Copy, PartialEq, Eq, Debug, Default)]
@@ -38,62 +34,6 @@ pub(super) struct TickReader {
     file: Option<RecordReader>,
     /// Whether the recording was cut off.
     is_cut: bool,
-}
-
-/// A file that is being read.
-struct RecordReader {
-    input: Box<dyn PartInput>,
-    reader: LinearReader,
-    /// Offset of the next record in bytes.
-    offset: u64,
-    /// Whether the recording was cut off, so that its last file may end anywhere.
-    is_cut: bool,
-}
-
-impl RecordReader {
-    /// Opens a file at a record; 0 is the start of the file.
-    fn open(part: &PartSource, offset: u64, is_cut: bool) -> Result<RecordReader, RecordingError> {
-        let mut input = part.open()?;
-        input.seek(SeekFrom::Start(offset)).map_err(read_error)?;
-        let options = LinearReaderOptions {
-            skip_start_magic: offset > 0,
-            emit_chunks: true,
-            record_length_limit: Some(MAX_RECORD),
-            ..LinearReaderOptions::default()
-        };
-        Ok(RecordReader {
-            input,
-            reader: LinearReader::new_with_options(options),
-            offset: offset.max(MAGIC.len() as u64),
-            is_cut,
-        })
-    }
-
-    /// Passes the next record, as opcode and content, to `take`, and returns its offset; `None` at the end of the file, or where it
-    /// was cut off.
-    fn next(
-        &mut self,
-        take: impl FnOnce(u8, &[u8]) -> Result<(), RecordingError>,
-    ) -> Result<Option<u64>, RecordingError> {
-        while let Some(event) = self.reader.next_event() {
-            match event {
-                Ok(LinearReadEvent::ReadRequest(need)) => {
-                    let buffer = self.reader.insert(need);
-                    let count = self.input.read(buffer).map_err(read_error)?;
-                    self.reader.notify_read(count);
-                }
-                Ok(LinearReadEvent::Record { opcode, data }) => {
-                    let offset = self.offset;
-                    self.offset += RECORD_HEAD + data.len() as u64;
-                    take(opcode, data)?;
-                    return Ok(Some(offset));
-                }
-                Err(_) if self.is_cut => return Ok(None),
-                Err(error) => return Err(damaged(error)),
-            }
-        }
-        Ok(None)
-    }
 }
 
 impl TickReader {
@@ -161,17 +101,7 @@ impl TickReader {
             closed => closed.insert(RecordReader::open(part, 0, self.is_cut)?),
         };
         let (channels, ticks) = (&mut self.channels[self.position.part], &mut self.ticks);
-        let mut take = |opcode: u8, data: &[u8]| {
-            let record = record_parser::parse(opcode, data)?;
-            record.map_or(Ok(true), |record| {
-                take_record(record, channels, ticks);
-                Ok(true)
-            })
-        };
-        let offset = file.next(|opcode, data| match opcode {
-            op::CHUNK => chunk::for_each_record(data, MAX_RECORD, take).map(drop),
-            _ => take(opcode, data).map(drop),
-        })?;
+        let offset = file.next(|record| take_record(record, channels, ticks))?;
         self.position = match offset {
             Some(offset) => TickPosition {
                 offset,

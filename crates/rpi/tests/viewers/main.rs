@@ -21,19 +21,84 @@ fn python() -> Option<PathBuf> {
     [own, "python3".into()].into_iter().find(has_packages)
 }
 
+/// Returns a Python for a test, or reports that the test is skipped.
+fn python_or_skipped() -> Option<PathBuf> {
+    let python = python();
+    if python.is_none() {
+        // Writes past the test harness, which captures the output of passing tests.
+        let line = b"SKIPPED: recordings for ROS 2: no Python with mcap and mcap-ros2-support\n";
+        std::io::stderr().write_all(line).unwrap();
+    }
+    python
+}
+
+/// Runs a script of this folder, which must succeed.
+fn run_script(python: &Path, script: &str, arguments: &[&Path]) {
+    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/viewers");
+    let mut command = Command::new(python);
+    let output = command
+        .arg(folder.join(script))
+        .args(arguments)
+        .output()
+        .unwrap();
+    assert!(output.status.success(), "{}", output_text(&output));
+    println!("{}", output_text(&output));
+}
+
+/// Runs the tool, which must succeed.
+fn succeeds(arguments: &[&str]) {
+    let output = rpi(arguments);
+    assert_eq!(output.status.code(), Some(0), "{}", output_text(&output));
+}
+
+/// The same packages read a part of a recording, and merged recordings.
+#[test]
+fn ros2_tools_read_parts_and_merged_recordings() {
+    let Some(python) = python_or_skipped() else {
+        return;
+    };
+    let folder = tempfile::tempdir().unwrap();
+    let [file, part, merged] =
+        ["out", "part", "merged"].map(|name| folder.path().join(format!("{name}.mcap")));
+    let program = rpi_testkit::workspace_root().join("examples/blending/blending.rpi");
+    let [out, cut, both] = [&file, &part, &merged].map(|path| path.to_str().unwrap());
+    let run = [
+        "run",
+        program.to_str().unwrap(),
+        "--record",
+        out,
+        "--profile",
+        "ros2",
+        "--time",
+        "3s",
+    ];
+    succeeds(&run);
+    succeeds(&[
+        "recording",
+        "cut",
+        out,
+        "--from",
+        "1s",
+        "--to",
+        "2s",
+        "--out",
+        cut,
+    ]);
+    succeeds(&["recording", "merge", out, cut, "--out", both]);
+    run_script(&python, "edits.py", &[&file, &part, &merged]);
+}
+
 /// The packages of the MCAP project decode every message, and the transforms lead to the place of the tool.
 #[test]
 fn ros2_tools_read_a_recording() {
-    let Some(python) = python() else {
-        // Writes past the test harness, which captures the output of passing tests.
-        let line = b"SKIPPED: recordings for ROS 2: no Python with mcap and mcap-ros2-support\n";
-        return std::io::stderr().write_all(line).unwrap();
+    let Some(python) = python_or_skipped() else {
+        return;
     };
     let folder = tempfile::tempdir().unwrap();
     let file = folder.path().join("out.mcap");
     let program = rpi_testkit::workspace_root().join("examples/blending/blending.rpi");
     let (program, name) = (program.to_str().unwrap(), file.to_str().unwrap());
-    let run = rpi(&[
+    succeeds(&[
         "run",
         program,
         "--record",
@@ -43,13 +108,5 @@ fn ros2_tools_read_a_recording() {
         "--time",
         "3s",
     ]);
-    assert_eq!(run.status.code(), Some(0), "{}", output_text(&run));
-    let script = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/viewers/ros2.py");
-    let output = Command::new(python)
-        .arg(script)
-        .arg(&file)
-        .output()
-        .unwrap();
-    assert!(output.status.success(), "{}", output_text(&output));
-    println!("{}", output_text(&output));
+    run_script(&python, "ros2.py", &[&file]);
 }

@@ -39,12 +39,15 @@ struct ActivityCollector {
 }
 
 /// Returns the ticks in the range `ticks` in which each fragment was active. A replay that ends early, because the
-/// recording lacks ticks or devices, yields the activity up to its end.
+/// recording lacks ticks or devices, yields the activity up to its end. A recording that does not begin with the run yields none.
 pub(super) fn replayed(
     recording: &Recording,
     ticks: &Range<u64>,
 ) -> Result<Vec<FragmentActivity>, RecordingError> {
     let mut collector = ActivityCollector::default();
+    if !recording.is_replayable() {
+        return Ok(collector.activity);
+    }
     replay_observed(recording, &mut |tick, id, command| {
         if ticks.contains(&tick) {
             collector.add(tick, id, command);
