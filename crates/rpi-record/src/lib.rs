@@ -3,5 +3,6 @@
 //! It takes what the runtime observes in a run and must not depend on nets or the compiler.
 
 pub mod mcap;
+pub mod run_table;
 pub mod sample_output;
 pub mod trace;

@@ -161,6 +161,7 @@ mod tests {
             kind,
             unit: "",
             values: values.to_vec(),
+            integers: values.iter().map(|value| *value as i64).collect(),
             absent: Vec::new(),
         }
     }

@@ -8,6 +8,10 @@ use xtask::packages;
 /// are shared vocabulary, libm is the one implementation of exactly rounded functions, and the derives of serde and clap do not expose
 /// types in interfaces.
 const OWNERS: &[(&str, &[&str])] = &[
+    ("arrow-array", &["rpi-record"]),
+    ("arrow-buffer", &["rpi-record"]),
+    ("arrow-ipc", &["rpi-record"]),
+    ("arrow-schema", &["rpi-record"]),
     ("base64", &["rpi-view"]),
     ("cap", &["rpi-fuzz", "rpi-testkit"]),
     ("clap", &["rpi", "rpi-cli", "rpic"]),
@@ -44,6 +48,7 @@ const OWNERS: &[(&str, &[&str])] = &[
             "rpi-sim",
         ],
     ),
+    ("parquet", &["rpi-record"]),
     ("petgraph", &["rpi-net", "rpi-sema"]),
     ("prometheus-client", &["rpi-serve"]),
     ("pulldown-cmark", &["rpi-doc"]),

@@ -3,37 +3,38 @@
 #[path = "../support/mod.rs"]
 mod support;
 
+use std::ffi::OsStr;
 use std::io::Write;
 use std::path::{Path, PathBuf};
 use std::process::Command;
 
 use support::{output_text, rpi};
 
-/// Returns a Python with the packages for MCAP and ROS 2 messages: the one that `.ci/run` sets up, or that of the system.
-fn python() -> Option<PathBuf> {
+/// Returns a Python with these modules: the one that `.ci/run` sets up, or that of the system. Without one, reports that the test
+/// of `what` is skipped.
+fn python(modules: &str, what: &str) -> Option<PathBuf> {
     let own = rpi_testkit::workspace_root().join("target/python/bin/python");
-    let has_packages = |python: &PathBuf| {
-        let output = Command::new(python)
-            .args(["-c", "import mcap, mcap_ros2"])
-            .output();
+    let has_modules = |python: &PathBuf| {
+        let import = format!("import {modules}");
+        let output = Command::new(python).args(["-c", &import]).output();
         output.is_ok_and(|output| output.status.success())
     };
-    [own, "python3".into()].into_iter().find(has_packages)
-}
-
-/// Returns a Python for a test, or reports that the test is skipped.
-fn python_or_skipped() -> Option<PathBuf> {
-    let python = python();
+    let python = [own, "python3".into()].into_iter().find(has_modules);
     if python.is_none() {
         // Writes past the test harness, which captures the output of passing tests.
-        let line = b"SKIPPED: recordings for ROS 2: no Python with mcap and mcap-ros2-support\n";
-        std::io::stderr().write_all(line).unwrap();
+        let line = format!("SKIPPED: {what}: no Python with {modules}\n");
+        std::io::stderr().write_all(line.as_bytes()).unwrap();
     }
     python
 }
 
+/// Returns a Python that reads recordings for ROS 2.
+fn python_for_ros2() -> Option<PathBuf> {
+    python("mcap, mcap_ros2", "recordings for ROS 2")
+}
+
 /// Runs a script of this folder, which must succeed.
-fn run_script(python: &Path, script: &str, arguments: &[&Path]) {
+fn run_script(python: &Path, script: &str, arguments: &[impl AsRef<OsStr>]) {
     let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/viewers");
     let mut command = Command::new(python);
     let output = command
@@ -54,7 +55,7 @@ fn succeeds(arguments: &[&str]) {
 /// The same packages read a part of a recording, and merged recordings.
 #[test]
 fn ros2_tools_read_parts_and_merged_recordings() {
-    let Some(python) = python_or_skipped() else {
+    let Some(python) = python_for_ros2() else {
         return;
     };
     let folder = tempfile::tempdir().unwrap();
@@ -91,7 +92,7 @@ fn ros2_tools_read_parts_and_merged_recordings() {
 /// The packages of the MCAP project decode every message, and the transforms lead to the place of the tool.
 #[test]
 fn ros2_tools_read_a_recording() {
-    let Some(python) = python_or_skipped() else {
+    let Some(python) = python_for_ros2() else {
         return;
     };
     let folder = tempfile::tempdir().unwrap();
@@ -109,4 +110,29 @@ fn ros2_tools_read_a_recording() {
         "3s",
     ]);
     run_script(&python, "ros2.py", &[&file]);
+}
+
+/// The reference implementation of Arrow reads the same tables as in CSV.
+#[test]
+fn pyarrow_reads_tables() {
+    let Some(python) = python("pyarrow", "tables in Arrow and Parquet") else {
+        return;
+    };
+    let folder = tempfile::tempdir().unwrap();
+    let [file, csv, parquet, arrow] =
+        ["out.mcap", "out.csv", "out.parquet", "out.arrow"].map(|name| folder.path().join(name));
+    let program = rpi_testkit::workspace_root().join("examples/blending/blending.rpi");
+    let (program, recording) = (program.to_str().unwrap(), file.to_str().unwrap());
+    succeeds(&["run", program, "--record", recording, "--time", "9s"]);
+    for table in [&csv, &parquet, &arrow] {
+        succeeds(&[
+            "export",
+            recording,
+            "--output",
+            table.to_str().unwrap(),
+            "--watch",
+            "MoveToE.way",
+        ]);
+    }
+    run_script(&python, "tables.py", &[&csv, &parquet, &arrow]);
 }

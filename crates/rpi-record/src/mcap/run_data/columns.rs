@@ -38,6 +38,8 @@ pub struct Column {
     pub unit: &'static str,
     /// Value in each row; NaN in rows without a value.
     pub values: Vec<f64>,
+    /// Exact value in each row of a column of integers, 0 in rows without a value; empty for other kinds.
+    pub integers: Vec<i64>,
     /// Intervals of rows without a value, in ascending order.
     pub absent: Vec<Range<usize>>,
 }
@@ -47,7 +49,7 @@ pub struct Column {
 pub enum ColumnKind {
     /// Boolean: 0 or 1.
     Bool,
-    /// Integer. Beyond 2⁵³ the value is rounded.
+    /// Integer. Beyond 2⁵³ the value is rounded in [`Column::values`].
     Int,
     /// Real number.
     Real,
@@ -128,6 +130,9 @@ impl<'a> ColumnBuilder<'a> {
 impl Column {
     fn push(&mut self, word: Option<u64>) {
         let row = self.values.len();
+        if self.kind == ColumnKind::Int {
+            self.integers.push(word.map_or(0, u64::cast_signed));
+        }
         let Some(word) = word else {
             self.values.push(f64::NAN);
             match self.absent.last_mut().filter(|last| last.end == row) {
@@ -151,6 +156,7 @@ fn columns_of(cell: &Cell, field: &FlowName) -> Vec<Column> {
         kind,
         unit,
         values: Vec::new(),
+        integers: Vec::new(),
         absent: Vec::new(),
     };
     let scalar = |prefix: &str, scalar: Scalar| -> Vec<Column> {
@@ -276,6 +282,7 @@ mod tests {
         }
         assert_eq!(column.absent, [0..2, 3..4]);
         assert_eq!((column.values[2], column.values[4]), (3.0, -1.0));
+        assert_eq!(column.integers, [0, 0, 3, 0, -1]);
         assert!(column.values[0].is_nan());
     }
 }
