@@ -5,7 +5,8 @@ use std::sync::{Arc, Mutex, PoisonError};
 
 use rpi_image::Image;
 use rpi_record::mcap::{
-    PartLimits, Profile, Recording, RecordingOptions, RunSources, replay, single_part,
+    PartLimits, Profile, Recording, RecordingOptions, RunOutputs, RunSources, TimeAxis, cut, merge,
+    replay, single_part,
 };
 use rpi_record::trace::Trace;
 use rpi_runtime::realtime::{RealTime, TimeBase};
@@ -19,11 +20,23 @@ const TICKS: u64 = 20;
 /// Maximum number of recordings in the initial corpus for each encoding of recordings.
 const RECORDINGS: usize = 12;
 
-/// Entry point of the fuzzer for recordings: reads a recording and replays it.
+/// Ticks of the part that is cut out of a recording.
+const PART: std::ops::Range<u64> = 1..TICKS / 2;
+
+/// Entry point of the fuzzer for recordings: reads a recording, replays it, cuts it and merges it with itself.
 pub(crate) fn read(input: &[u8]) {
-    if let Ok(recording) = Recording::read(input) {
-        let _ = replay(&recording).map(|report| report.to_string());
+    let Ok(recording) = Recording::read(input) else {
+        return;
+    };
+    let _ = replay(&recording).map(|report| report.to_string());
+    let part = Buffer::default();
+    if cut(&recording, &PART, part.clone()).is_ok() {
+        let read = Recording::read(&part.lock());
+        assert!(read.is_ok(), "a part is a recording: {:?}", read.err());
     }
+    let both = [("one", recording.clone()), ("other", recording)];
+    let both = both.map(|(name, recording)| (name.to_owned(), recording));
+    let _ = merge(&both, TimeAxis::Start, Buffer::default());
 }
 
 /// Entry point of the fuzzer for traces: parses a trace.
@@ -110,7 +123,7 @@ fn record(image: &Arc<Image>, profile: Profile) -> Option<Vec<u8>> {
         emergency: Arc::default(),
         next_tick: Arc::default(),
         settings: &[],
-        recording: Some(Box::new(recording)),
+        recording: Some(Box::new(RunOutputs::from(recording))),
         sink: &mut (),
         progress: None,
     });

@@ -109,7 +109,10 @@ pub fn http(input: &[u8]) {
     };
     let token = ClientToken::new("fuzzer", Role::Operator, "a-secret");
     for tokens in [Vec::new(), vec![token]] {
-        let policy = AuthPolicy { tokens };
+        let policy = AuthPolicy {
+            tokens,
+            origins: Vec::new(),
+        };
         let _ = policy.is_own_host(&head) && policy.is_same_origin(&head);
         let _ = policy.identify(&head, Peer::Local);
     }

@@ -6,6 +6,7 @@
 //! - `cycle` runs the core and the devices on one thread that never blocks on another thread.
 //! - `state` holds the server state: sessions, commands, rules, devices and subscriptions. Loading has its own threads.
 //! - `compile` compiles the texts of clients, in this process or in worker processes with limits.
+//! - `foxglove` sends live messages to the viewer Foxglove, at a port of its own.
 //! - `dio` implements the DirectIO protocol of the reference system, `rpc` JSON-RPC 2.0, `web` the HTTP pages of both.
 //! - `transport` does transport and authentication.
 //!
@@ -20,6 +21,7 @@ mod dio;
 #[cfg(feature = "entry-points")]
 pub mod entry_points;
 mod fair_share;
+mod foxglove;
 mod limits;
 mod message_size;
 mod open_error;
@@ -37,6 +39,7 @@ pub use client_token::{ClientToken, SecretFileError, read_tokens};
 #[cfg(unix)]
 pub use compile::run_compile_worker;
 pub use compile::{CompilerSettings, WorkerSettings};
+pub use foxglove::{FoxglovePort, FoxgloveSettings};
 pub use limits::{Limits, MemoryLimits, OnLoss, PlaceLimits};
 pub use open_error::{IdentityError, OpenError, ResetError};
 pub use role::Role;

@@ -10,7 +10,7 @@ use std::time::{Duration, Instant};
 
 use rpi_core::CycleObserver;
 use rpi_device::NoDevices;
-use rpi_record::mcap::{RecordingOptions, record};
+use rpi_record::mcap::{RecordingOptions, RunOutputs, record};
 use rpi_runtime::control::{Options, open};
 use rpi_runtime::realtime::{self, CycleMetrics, RealTime, ResourceGrant, TickTimer, TimeBase};
 use rpi_runtime::run::RecordingStats;
@@ -81,6 +81,22 @@ impl Server {
         watch: impl CycleObserver + Send + 'static,
         recording: Option<RecordingOptions>,
     ) -> Result<Server, OpenError> {
+        let outputs = recording.map(RunOutputs::from);
+        Server::open_with_outputs(cell, settings, watch, outputs)
+    }
+
+    /// Opens a server for the devices of a cell, and writes what the core does to these outputs until the server is
+    /// [closed](Server::close). `watch` is called for every command after each of its cycles, on the cycle thread.
+    ///
+    /// # Errors
+    /// If the address requires a token or TLS, a certificate cannot be used, a system call fails, or the recording
+    /// cannot be written.
+    pub fn open_with_outputs(
+        cell: &Cell,
+        settings: &Settings,
+        watch: impl CycleObserver + Send + 'static,
+        outputs: Option<RunOutputs>,
+    ) -> Result<Server, OpenError> {
         settings.check_protection()?;
         let identity = settings.identity()?;
         let bound = TcpListener::bind(settings.listen);
@@ -98,13 +114,14 @@ impl Server {
             metrics: None,
             lost: Arc::default(),
         };
-        let shared = server.start_cycle(cell, settings, Box::new(watch), recording)?;
+        let shared = server.start_cycle(cell, settings, Box::new(watch), outputs)?;
         server.state = Some(shared.clone());
         let acceptor = Acceptor {
             state: shared,
             limits: settings.limits,
             auth: AuthPolicy {
                 tokens: settings.tokens.clone(),
+                origins: Vec::new(),
             },
             identity,
             closing: Arc::clone(&server.closing),
@@ -125,7 +142,7 @@ impl Server {
         cell: &Cell,
         settings: &Settings,
         watch: Box<dyn CycleObserver + Send>,
-        recording: Option<RecordingOptions>,
+        outputs: Option<RunOutputs>,
     ) -> io::Result<SharedState> {
         let (limits, tick_ns) = (settings.limits, settings.tick_ns.max(1));
         let options = Options {
@@ -144,8 +161,9 @@ impl Server {
         // the cycle.
         let (mut control, mut executive) = open(devices, Box::new(NoDevices), options);
         let run_options = (tick_ns, settings.continuity.unwrap_or_default());
-        let record = |wanted| record(wanted, cell, run_options, (&mut control, &mut executive));
-        let (recorder, collector) = recording.map(record).transpose()?.unzip();
+        let record =
+            |wanted: RunOutputs| record(wanted, cell, run_options, (&mut control, &mut executive));
+        let (recorder, collector) = outputs.map(record).transpose()?.unzip();
         let overrun = settings.real_time.map(|r| r.overrun).unwrap_or_default();
         let timer = TickTimer::start(settings.pace, tick_ns, overrun);
         let metrics = Arc::clone(timer.metrics());

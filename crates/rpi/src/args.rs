@@ -12,6 +12,7 @@ use rpi_serve::{OnLoss, SocketSettings};
 use crate::budget_args::BudgetArgs;
 use crate::debug::DebugArgs;
 use crate::export::ExportArgs;
+use crate::foxglove_args::FoxgloveArgs;
 use crate::guard::GuardArgs;
 use crate::latency_args::LatencyArgs;
 use crate::recording_args::RecordingArgs;
@@ -157,6 +158,8 @@ pub(crate) struct RunArgs {
     pub(crate) record: Option<PathBuf>,
     #[command(flatten)]
     pub(crate) recording: RecordingArgs,
+    #[command(flatten)]
+    pub(crate) foxglove: FoxgloveArgs,
     /// Print a digest of all device states, which is equal for runs with the same bits in every cycle.
     #[arg(long)]
     pub(crate) digest: bool,
@@ -312,6 +315,8 @@ pub(crate) struct ServeArgs {
     pub(crate) record: Option<PathBuf>,
     #[command(flatten)]
     pub(crate) recording: RecordingArgs,
+    #[command(flatten)]
+    pub(crate) foxglove: FoxgloveArgs,
     /// Policy for a takeover with a jump of position, velocity or acceleration. Default: `refuse` for programs, `allow`
     /// for nets, as the reference system has no such check.
     #[arg(long, value_name = "POLICY")]

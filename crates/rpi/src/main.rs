@@ -12,6 +12,7 @@ mod cell_file;
 mod debug;
 mod exit;
 mod export;
+mod foxglove_args;
 mod guard;
 mod interrupt;
 mod latency;

@@ -12,7 +12,7 @@ use rpi_cli::ExecutionTarget;
 use rpi_core::MotionControls;
 use rpi_diag::{Style, render};
 use rpi_driver::{AnalysedNet, CompileOptions, Compiled, Program};
-use rpi_record::mcap::RunSources;
+use rpi_record::mcap::{RecordingOptions, RunOutputs, RunSources};
 use rpi_record::sample_output::{DigestSink, SampleFormat, SampleWriter};
 use rpi_replay::faults::Faults;
 use rpi_replay::monitor::ClaimMonitorSink;
@@ -33,7 +33,7 @@ use crate::output;
 use crate::program;
 use crate::run_report::RunReport;
 use crate::target;
-use rpi_serve::TaskBundle;
+use rpi_serve::{FoxglovePort, TaskBundle};
 
 /// Carries out `rpi run`: runs commands or a task with a cell, records the run and prints the summary.
 pub(crate) fn run(args: &RunArgs) -> exit::CommandResult {
@@ -163,6 +163,11 @@ fn execute(
 ) -> Result<Outcome, Box<dyn Error>> {
     let (cell, text) = target::cell(&args.program, &args.target, bundle)?;
     let recording = recorded.map(|path| mcap_recording(path, args, text));
+    let foxglove = args.foxglove.open_local()?;
+    let outputs = RunOutputs {
+        recording: recording.transpose()?,
+        live: foxglove.as_ref().map(FoxglovePort::viewers),
+    };
     let tick_ns = bundle.images.first().map_or(1, |image| image.period_ns);
     let mut progress = ProgressLine::default();
     let mut show_progress =
@@ -193,7 +198,9 @@ fn execute(
         emergency: interrupt.emergency(),
         next_tick,
         settings: &args.target.settings,
-        recording: recording.transpose()?,
+        recording: outputs
+            .is_needed()
+            .then(|| Box::new(outputs) as Box<dyn StartRecording>),
         sink,
         progress: if shows {
             Some(&mut show_progress)
@@ -201,14 +208,19 @@ fn execute(
             None
         },
     });
-    drop(heartbeat);
+    drop((heartbeat, foxglove));
     progress.clear();
+    outcome.map_err(|failure| run_error(failure, recorded))
+}
+
+/// Returns the error of a run for its user. `recorded` is the file of the recording of the run.
+fn run_error(failure: RunError, recorded: Option<&Path>) -> Box<dyn Error> {
     let file = recorded.unwrap_or(Path::new("")).display();
-    outcome.map_err(|failure| match failure {
+    match failure {
         RunError::Recording(why) => format!("{file}: {why}").into(),
         RunError::BudgetExceeded { .. } => format!("{failure}\n  {BUDGET_HELP}").into(),
         other => other.into(),
-    })
+    }
 }
 
 /// Starts the heartbeat of a run, which reports the number of the next tick, `next_tick`, to the guard or to the service
@@ -268,7 +280,7 @@ fn mcap_recording(
     path: &Path,
     args: &RunArgs,
     cell: String,
-) -> Result<Box<dyn StartRecording>, Box<dyn Error>> {
+) -> Result<RecordingOptions, Box<dyn Error>> {
     let name = args.program.file_name().unwrap_or_default();
     let origin = RunSources {
         program: name.to_string_lossy().into_owned(),
@@ -276,7 +288,7 @@ fn mcap_recording(
         cell,
     };
     let first = create(path, args)?;
-    Ok(Box::new(args.recording.options((path, first), origin)))
+    Ok(args.recording.options((path, first), origin))
 }
 
 /// Creates an output file of the run. Returns an error if the file is the program or the cell description, because it

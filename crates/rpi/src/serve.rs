@@ -8,9 +8,10 @@ use std::sync::atomic::Ordering;
 use std::time::Duration;
 
 use rpi_diag::with_noun;
-use rpi_record::mcap::{RecordingOptions, RunSources};
+use rpi_record::mcap::{RecordingOptions, RunOutputs, RunSources};
 use rpi_serve::{
-    CompilerSettings, OpenError, Server, Settings, TlsFiles, WorkerSettings, read_tokens,
+    CompilerSettings, FoxglovePort, FoxgloveSettings, OpenError, Server, Settings, TlsFiles,
+    WorkerSettings, read_tokens,
 };
 
 use crate::args::ServeArgs;
@@ -37,7 +38,20 @@ pub(crate) fn serve(args: &ServeArgs) -> exit::CommandResult {
     let interrupt = Interrupt::listen()?;
     interrupt.listen_for_reset()?;
     let interrupted = interrupt.flag();
-    let server = Server::open_recorded(&cell, &settings, (), recording.transpose()?);
+    let foxglove = args.foxglove.open(FoxgloveSettings {
+        listen: settings.listen,
+        tokens: settings.tokens.clone(),
+        tls: settings.tls.clone(),
+        insecure: settings.insecure,
+        origins: Vec::new(),
+    });
+    let foxglove = foxglove.map_err(with_hint)?;
+    let outputs = RunOutputs {
+        recording: recording.transpose()?,
+        live: foxglove.as_ref().map(FoxglovePort::viewers),
+    };
+    let outputs = outputs.is_needed().then_some(outputs);
+    let server = Server::open_with_outputs(&cell, &settings, (), outputs);
     let server = server.map_err(with_hint)?;
     server
         .grants()

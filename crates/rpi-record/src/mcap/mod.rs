@@ -2,7 +2,7 @@
 //!
 //! ```text
 //! cycle thread: LoggingBank, FlowProbe -> tick log (bounded ring, losses are counted) -> RecordingWriter (a thread) -> MCAP
-//! host:         requests before they are sent, events as they arrive --------^
+//! host:         requests before they are sent, events as they arrive --------^                      +-> live viewers
 //! ```
 //! | in the file | content |
 //! |---|---|
@@ -31,6 +31,7 @@ mod derived;
 mod error;
 mod event_json;
 mod field_tree;
+mod live;
 mod mcap_bytes;
 mod mcap_file;
 mod names;
@@ -52,6 +53,7 @@ mod replay_timeline;
 mod request_json;
 mod ros2;
 mod run_data;
+mod run_output;
 mod scene;
 mod summary;
 mod text_encoding;
@@ -64,11 +66,12 @@ mod writer;
 pub use completion::{CompletedRecording, complete, recording_files};
 pub use derived::{CutRecording, MergedRecording, TimeAxis, cut, merge};
 pub use error::RecordingError;
+pub use live::{LiveTopic, LiveViewers};
 pub use mcap_file::Output;
 pub use parts::{OpenPart, PartLimits, part_files, part_path, single_part};
 pub use profile::Profile;
 pub use reader::Recording;
-pub use recorder::{Recorder, RecordingOptions, RunSources, record};
+pub use recorder::{Recorder, RecordingOptions, RunOutputs, RunSources, record};
 pub use replay::{CycleCallback, replay, replay_observed};
 pub use replay_report::{Difference, ReplayReport};
 pub use replay_timeline::ReplayTimeline;

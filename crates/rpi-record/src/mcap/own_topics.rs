@@ -65,6 +65,11 @@ impl OwnTopics {
         }
     }
 
+    /// Returns the topics that viewers show, too: the events.
+    pub(super) fn for_viewers(&self) -> impl Iterator<Item = &Arc<EncodedTopic>> {
+        std::iter::once(&self.events)
+    }
+
     /// Encodes a request to the core, given as JSON. Returns its topic and the message data.
     pub(super) fn request(&self, request: &Value) -> (&Arc<EncodedTopic>, Vec<u8>) {
         let text = request.to_string();

@@ -13,13 +13,12 @@ use rpi_runtime::run::{Recorded, RecordingStats, RunRecorder, StartRecording, Ti
 use rpi_runtime::tick_log::{LoggingBank, TickLogReader};
 use rpi_sim::{Cell, SimBank};
 
+use super::live::LiveViewers;
 use super::names::NameTable;
-use super::own_topics::OwnTopics;
 use super::part_writer::{PartHead, PartWriter};
 use super::parts::{OpenPart, PartLimits};
 use super::profile::Profile;
-use super::scene::Scene;
-use super::topic_table::TopicTable;
+use super::run_output::RunOutput;
 use super::writer::{RECORDING, RecorderMessage, RecordingWriter};
 
 /// Program and cell description of a run, stored in its recording.
@@ -45,6 +44,32 @@ pub struct RecordingOptions {
     pub origin: RunSources,
 }
 
+/// Where the messages of a run go: a recording, viewers that are connected while it goes on, or both.
+#[derive(Default)]
+pub struct RunOutputs {
+    /// Recording; `None` for a run that is not recorded.
+    pub recording: Option<RecordingOptions>,
+    /// Live viewers; `None` without them.
+    pub live: Option<Box<dyn LiveViewers>>,
+}
+
+impl RunOutputs {
+    /// Returns whether there is an output.
+    #[must_use]
+    pub fn is_needed(&self) -> bool {
+        self.recording.is_some() || self.live.is_some()
+    }
+}
+
+impl From<RecordingOptions> for RunOutputs {
+    fn from(recording: RecordingOptions) -> RunOutputs {
+        RunOutputs {
+            recording: Some(recording),
+            live: None,
+        }
+    }
+}
+
 /// Version of the layout of a recording. Recordings of version 1, which had the images as attachments, cannot be read.
 pub(super) const FORM: &str = "2";
 
@@ -64,9 +89,11 @@ pub struct Recorder {
     /// Error that stopped the writer thread; empty if there was none.
     write_error: Arc<OnceLock<String>>,
     thread: JoinHandle<io::Result<RecordingStats>>,
+    /// Whether the run is recorded, beside its live viewers.
+    has_file: bool,
 }
 
-/// Starts recording a core and its devices.
+/// Starts recording a core and its devices, and sending their messages to live viewers.
 ///
 /// Returns the recorder for the host and the collector of ticks for the cycle. `tick_ns` is the tick length in
 /// nanoseconds; `continuity` is the policy for discontinuities of commands that have none of their own.
@@ -74,7 +101,7 @@ pub struct Recorder {
 /// # Errors
 /// Returns the errors of the output, and an error if no thread can be created.
 pub fn record(
-    wanted: RecordingOptions,
+    wanted: impl Into<RunOutputs>,
     cell: &Cell,
     (tick_ns, continuity): (u64, Continuity),
     (control, executive): (&mut Control, &mut Executive<LoggingBank<SimBank>>),
@@ -86,7 +113,7 @@ pub fn record(
         tick_ns,
         continuity,
     };
-    let recorder = Recorder::start(wanted, run, tick_log)?;
+    let recorder = Recorder::start(wanted.into(), run, tick_log)?;
     control.set_request_log(recorder.request_callback());
     Ok((recorder, collector))
 }
@@ -119,23 +146,19 @@ impl Recorder {
     /// # Errors
     /// Returns the errors of the output, and an error if no thread can be created.
     fn start(
-        wanted: RecordingOptions,
+        wanted: RunOutputs,
         run: Recorded<'_>,
         tick_log: TickLogReader,
     ) -> io::Result<Recorder> {
-        let profile = wanted.profile;
-        let head = PartHead {
-            keys: metadata(&wanted.origin, run.tick_ns, run.continuity),
-            origin: wanted.origin,
-            profile: profile.mcap_name(),
-        };
         let (notes, receiver) = sync_channel(NOTES);
+        let write_error = Arc::new(OnceLock::new());
+        let outputs = outputs(wanted, &run)?;
+        let has_file = outputs.iter().any(RunOutput::is_file);
         let writer = RecordingWriter {
-            parts: PartWriter::begin(wanted.parts, wanted.limits, head)?,
-            own: OwnTopics::new(profile),
+            outputs,
             names: NameTable::new(run.cell, run.tick_ns),
-            topics: TopicTable::new(profile, run.channels),
-            scene: Scene::new(profile, run.cell, run.channels, run.tick_ns),
+            error: None,
+            write_error: Arc::clone(&write_error),
             tick_log,
             notes: receiver,
             written: RecordingStats::default(),
@@ -148,22 +171,21 @@ impl Recorder {
         };
         let lost_ticks = Arc::new(AtomicU64::new(RECORDING));
         let ending = Arc::clone(&lost_ticks);
-        let write_error = Arc::new(OnceLock::new());
-        let error_slot = Arc::clone(&write_error);
-        let write = move || {
-            let written = writer.write(&ending);
-            let error = written.as_ref().err().map(ToString::to_string);
-            error.map(|error| error_slot.set(error));
-            written
-        };
         let thread = std::thread::Builder::new().name("rpi-record".into());
         Ok(Recorder {
             notes,
             lost_notes: Arc::default(),
             lost_ticks,
             write_error,
-            thread: thread.spawn(write)?,
+            thread: thread.spawn(move || writer.write(&ending))?,
+            has_file,
         })
+    }
+
+    /// Returns whether the run is recorded; false for a run that has live viewers only.
+    #[must_use]
+    pub fn has_file(&self) -> bool {
+        self.has_file
     }
 
     /// Returns the callback that the control core calls for each request before it is sent.
@@ -183,10 +205,10 @@ impl Recorder {
         );
     }
 
-    /// Returns false once the writer thread has stopped, after which no more data is written.
+    /// Returns false once the recording has stopped, after which no more data is written to it.
     #[must_use]
     pub fn is_writing(&self) -> bool {
-        !self.thread.is_finished()
+        !self.thread.is_finished() && self.write_error.get().is_none()
     }
 
     /// Returns the error that stopped the writer thread; `None` if there was none.
@@ -195,17 +217,19 @@ impl Recorder {
         self.write_error.get().map(String::as_str)
     }
 
-    /// Ends the recording and returns its statistics. `lost` is the number of ticks that did not fit into the tick log.
+    /// Ends the recording and returns its statistics; `None` if the run was not recorded. `lost` is the number of ticks that did not
+    /// fit into the tick log.
     ///
     /// # Errors
     /// Returns the first error of the output, and an error if requests or events were dropped.
-    pub fn finish(self, lost: u64) -> io::Result<RecordingStats> {
+    pub fn finish(self, lost: u64) -> io::Result<Option<RecordingStats>> {
         // Before the join: the writer puts the number into the metadata at the end of the file.
         self.lost_ticks.store(lost, Ordering::Release);
         let written = self.thread.join();
         let written = written.map_err(|_| io::Error::other("the writer has failed"))??;
         match self.lost_notes.load(Ordering::Relaxed) {
-            0 => Ok(written),
+            _ if !self.has_file => Ok(None),
+            0 => Ok(Some(written)),
             notes => Err(io::Error::other(format!(
                 "the recording is incomplete: {} dropped",
                 rpi_words::with_noun(notes, "request or event")
@@ -214,7 +238,24 @@ impl Recorder {
     }
 }
 
-impl StartRecording for RecordingOptions {
+/// Opens the outputs of a run.
+fn outputs(wanted: RunOutputs, run: &Recorded<'_>) -> io::Result<Vec<RunOutput>> {
+    let mut outputs = Vec::new();
+    if let Some(wanted) = wanted.recording {
+        let head = PartHead {
+            keys: metadata(&wanted.origin, run.tick_ns, run.continuity),
+            origin: wanted.origin,
+            profile: wanted.profile.mcap_name(),
+        };
+        let parts = PartWriter::begin(wanted.parts, wanted.limits, head)?;
+        outputs.push(RunOutput::files(wanted.profile, run, parts));
+    }
+    let live = wanted.live.into_iter();
+    outputs.extend(live.map(|viewers| RunOutput::live(run, viewers)));
+    Ok(outputs)
+}
+
+impl StartRecording for RunOutputs {
     fn start(
         self: Box<Self>,
         run: Recorded<'_>,
@@ -237,7 +278,7 @@ impl RunRecorder for Recorder {
         Recorder::is_writing(self)
     }
 
-    fn finish(self: Box<Self>, lost: u64) -> io::Result<RecordingStats> {
+    fn finish(self: Box<Self>, lost: u64) -> io::Result<Option<RecordingStats>> {
         Recorder::finish(*self, lost)
     }
 }

@@ -148,6 +148,14 @@ impl TopicTable {
         self.flows.remove(&number);
     }
 
+    /// Returns all topics. The topics of commands are in the order in which their images were loaded.
+    pub(super) fn encoded(&self) -> impl Iterator<Item = &Arc<EncodedTopic>> {
+        let ports = self.ports.values().map(|ports| &ports.topic);
+        let samples = self.samples.iter().map(|(topic, _)| topic);
+        let all = self.flows.values().chain(ports).chain(samples);
+        all.map(|topic| &topic.encoded)
+    }
+
     /// Adds the device ports with the numbers `new` to the topic of a device in one direction. If one of them was not
     /// in the topic yet, later messages have a new schema.
     fn add_ports(&mut self, kind: PortTopic, device: String, new: &[u32], names: &NameTable) {

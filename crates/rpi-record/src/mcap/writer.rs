@@ -1,9 +1,9 @@
 //! Writer thread of a recording: takes ticks from the tick log and notes from the host, and writes both as messages.
 
 use std::io;
-use std::sync::Arc;
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::sync::mpsc::Receiver;
+use std::sync::{Arc, OnceLock};
 use std::time::Duration;
 
 use rpi_core::CommandId;
@@ -11,10 +11,7 @@ use rpi_image::Image;
 use serde_json::{Value, json};
 
 use super::names::NameTable;
-use super::own_topics::OwnTopics;
-use super::part_writer::PartWriter;
-use super::scene::{Scene, SceneMessage};
-use super::topic_table::TopicTable;
+use super::run_output::RunOutput;
 use super::{event_json, request_json};
 use rpi_runtime::control::{AttributedOverrun, Event, RequestRecord, Ticket};
 use rpi_runtime::run::RecordingStats;
@@ -54,12 +51,13 @@ impl TickTime {
 
 /// State of the thread that writes a recording: its inputs, names and topics, and its files.
 pub(super) struct RecordingWriter {
-    pub(super) parts: PartWriter,
-    pub(super) own: OwnTopics,
+    /// Where the messages go: a recording, live viewers, or both. One whose file cannot be written is removed.
+    pub(super) outputs: Vec<RunOutput>,
     pub(super) names: NameTable,
-    pub(super) topics: TopicTable,
-    /// Arms of the cell as viewers show them; `None` in a profile without messages about robots.
-    pub(super) scene: Option<Scene>,
+    /// First error of a file; the recording ends with it.
+    pub(super) error: Option<io::Error>,
+    /// Text of this error for the host.
+    pub(super) write_error: Arc<OnceLock<String>>,
     pub(super) tick_log: TickLogReader,
     pub(super) notes: Receiver<RecorderMessage>,
     pub(super) written: RecordingStats,
@@ -85,7 +83,12 @@ impl RecordingWriter {
             // Load the end marker before taking ticks: all ticks put in the tick log before the end was signalled are then
             // taken in this turn.
             let lost_ticks = lost.load(Ordering::Acquire);
-            let ticks = self.write_batch()?;
+            let ticks = self.write_batch();
+            if self.outputs.is_empty()
+                && let Some(error) = self.error
+            {
+                return Err(error);
+            }
             if lost_ticks != RECORDING && ticks == 0 {
                 self.written.lost = lost_ticks;
                 break;
@@ -94,18 +97,48 @@ impl RecordingWriter {
                 std::thread::sleep(IDLE_SLEEP);
             }
         }
-        self.write_early()?;
+        self.write_early();
         let (ticks, lost) = (self.written.ticks, self.written.lost);
         let end = [("ticks", ticks.to_string()), ("lost", lost.to_string())];
-        self.parts.finish(&end)?;
-        Ok(self.written)
+        for output in std::mem::take(&mut self.outputs) {
+            let finished = output.finish(&end);
+            self.note_error(finished.err());
+        }
+        self.error.map_or(Ok(self.written), Err)
+    }
+
+    /// Passes each output to `write`. An output whose file cannot be written is removed.
+    fn for_each_output(
+        &mut self,
+        mut write: impl FnMut(&mut RunOutput, &mut NameTable) -> io::Result<()>,
+    ) {
+        let names = &mut self.names;
+        let mut failed = None;
+        self.outputs
+            .retain_mut(|output| match write(output, names) {
+                Ok(()) => true,
+                Err(error) => {
+                    failed = Some(error);
+                    false
+                }
+            });
+        self.note_error(failed);
+    }
+
+    /// Stores an error of a file, if it is the first one.
+    fn note_error(&mut self, error: Option<io::Error>) {
+        if let Some(error) = error {
+            // Set once: a second error is a consequence.
+            let _ = self.write_error.set(error.to_string());
+            self.error.get_or_insert(error);
+        }
     }
 
     /// Writes one batch of ticks and all pending messages of the host. Returns the number of ticks.
     ///
     /// The ticks are taken from the tick log before the messages are read. Messages about the commands of these ticks
     /// are then already in the queue.
-    fn write_batch(&mut self) -> io::Result<usize> {
+    fn write_batch(&mut self) -> usize {
         let mut taken = Vec::new();
         let mut words = Vec::new();
         while taken.len() < MAX_TICKS_PER_TURN && self.tick_log.next(&mut words) {
@@ -121,13 +154,13 @@ impl RecordingWriter {
             self.early.push(note);
         }
         if self.latest.is_some() {
-            self.write_early()?;
+            self.write_early();
         }
-        taken.iter().try_for_each(|words| self.write_tick(words))?;
+        taken.iter().for_each(|words| self.write_tick(words));
         if taken.len() < MAX_TICKS_PER_TURN {
             self.remove_freed();
         }
-        Ok(taken.len())
+        taken.len()
     }
 
     /// Returns the time of the latest tick, in nanoseconds since the Unix epoch; 0 before the first tick.
@@ -146,9 +179,9 @@ impl RecordingWriter {
         (latest.time + ahead).saturating_sub(behind)
     }
 
-    fn write_early(&mut self) -> io::Result<()> {
+    fn write_early(&mut self) {
         let notes = std::mem::take(&mut self.early);
-        notes.into_iter().try_for_each(|note| self.write_note(note))
+        notes.into_iter().for_each(|note| self.write_note(note));
     }
 
     /// Removes the names of commands that were freed before the previous batch. The tick log has no more ticks of them.
@@ -156,22 +189,22 @@ impl RecordingWriter {
         let recent = std::mem::take(&mut self.freed);
         let old = std::mem::replace(&mut self.freed_last_turn, recent);
         for id in old {
-            let image = self.names.remove_command(id);
-            image
-                .into_iter()
-                .for_each(|image| self.topics.remove_image(image));
+            if let Some(image) = self.names.remove_command(id) {
+                let outputs = self.outputs.iter_mut();
+                outputs.for_each(|output| output.remove_image(image));
+            }
         }
     }
 
-    fn write_note(&mut self, note: RecorderMessage) -> io::Result<()> {
+    fn write_note(&mut self, note: RecorderMessage) {
         match note {
             RecorderMessage::Request(ticket, request) => {
                 if let RequestRecord::Load(id, image, ..) = &request {
-                    self.add_command(*id, image)?;
+                    self.add_command(*id, image);
                 }
                 let text = request_json::encode_request(ticket, &request, &self.names);
-                let (topic, data) = self.own.request(&text);
-                self.parts.write(topic, self.now(), &data)
+                let now = self.now();
+                self.for_each_output(|output, _| output.request(&text, now));
             }
             RecorderMessage::Event(event) => {
                 // An event without a tick gets the tick of the event before it.
@@ -180,79 +213,53 @@ impl RecordingWriter {
                 if let Event::Freed(id) = event {
                     self.freed.push(id);
                 }
-                self.write_event(&text)
+                self.write_event(&text);
             }
         }
     }
 
-    /// Writes an event, given as JSON, and its entry in the log that viewers show.
-    fn write_event(&mut self, event: &Value) -> io::Result<()> {
+    /// Writes an event, given as JSON.
+    fn write_event(&mut self, event: &Value) {
         let tick = event["tick"].as_u64();
         let time = tick.map_or(self.now(), |tick| self.time_of(tick));
-        let (topic, data) = self.own.event(event);
-        self.parts.write(topic, time, &data)?;
-        let messages = self
-            .scene
-            .as_ref()
-            .map(|scene| scene_messages(scene, time, event));
-        self.write_scene(time, messages.unwrap_or_default())
+        self.for_each_output(|output, _| output.event(event, time));
     }
 
-    fn write_scene(&mut self, time: u64, messages: Vec<SceneMessage>) -> io::Result<()> {
-        let mut messages = messages.iter();
-        messages.try_for_each(|(topic, data)| self.parts.write(topic, time, data))
-    }
-
-    /// Adds the name of a command. If its image is new, the image is written to the recording, and topics are added for
-    /// its flows and ports.
-    fn add_command(&mut self, id: CommandId, image: &Arc<Image>) -> io::Result<()> {
+    /// Adds the name of a command, and its image if it is new.
+    fn add_command(&mut self, id: CommandId, image: &Arc<Image>) {
         if !self.names.insert_command(id, image) {
-            return Ok(());
+            return;
         }
         let number = self.names.image_index(id).unwrap_or(0);
-        let (topic, data) = self.own.image(number, image);
-        self.parts.write(topic, self.now(), &data)?;
-        self.topics.add_image(number, image, &mut self.names);
-        Ok(())
+        let now = self.now();
+        self.for_each_output(|output, names| output.image((number, image), names, now));
     }
 
-    fn write_tick(&mut self, words: &[u64]) -> io::Result<()> {
+    fn write_tick(&mut self, words: &[u64]) {
         let Some(tick) = LoggedTick::from_words(words) else {
-            return Ok(());
+            return;
         };
         let latest = TickTime::of(&tick);
         let time = latest.time;
         self.latest = Some(latest);
         self.written.ticks += u64::from(tick.ticked);
         if tick.lost > 0 {
-            self.write_event(&json!({ "event": "lost", "tick": tick.number, "ticks": tick.lost }))?;
+            self.write_event(&json!({ "event": "lost", "tick": tick.number, "ticks": tick.lost }));
         }
-        let (topic, data) = self.own.tick(words);
-        self.parts.write(topic, time, &data)?;
-        self.write_overruns(&tick)?;
-        for message in self.topics.messages(&tick, &self.names) {
-            let data = message.encode((time, tick.number));
-            self.parts.write(&message.topic.encoded, time, &data)?;
-        }
-        let scene = self.scene.as_mut().map(|scene| scene.messages(&tick, time));
-        self.write_scene(time, scene.unwrap_or_default())?;
-        if self.parts.end_tick(time)? {
-            let scene = self.scene.as_ref().map(Scene::descriptions);
-            self.write_scene(time, scene.unwrap_or_default())?;
-        }
-        Ok(())
+        self.for_each_output(|output, _| output.tick(words, time));
+        self.write_overruns(&tick);
+        self.for_each_output(|output, names| output.views(&tick, names, time));
     }
 
-    fn write_overruns(&mut self, tick: &LoggedTick<'_>) -> io::Result<()> {
+    fn write_overruns(&mut self, tick: &LoggedTick<'_>) {
         for late in decode_entries(tick.observations).filter(|e| e.kind == EntryKind::Overrun) {
             let late = late.words.first().copied().unwrap_or(0);
             let mut event = json!({ "event": "overrun", "tick": tick.number, "late_ns": late });
             if let Some(late) = decode_entries(tick.exchange).find_map(|e| decode_overrun(&e)) {
                 self.add_overrun_cause(&late, &mut event);
             }
-            self.write_event(&event)?;
+            self.write_event(&event);
         }
-        Ok(())
     }
 
     /// Adds to the JSON of an overrun event the command and the fragment to which the overrun is attributed.
@@ -265,21 +272,4 @@ impl RecordingWriter {
         event["took_ns"] = json!(late.took_ns);
         event["fragment"] = json!(fragment.map(|f| f.path.as_str()));
     }
-}
-
-/// Returns the messages about an event for viewers: an entry of their log, and the state of a device if it has changed.
-/// `time` is in nanoseconds since the Unix epoch.
-fn scene_messages(scene: &Scene, time: u64, event: &Value) -> Vec<SceneMessage> {
-    let kind = event["event"].as_str().unwrap_or_default();
-    let of = ["command", "device"]
-        .iter()
-        .find_map(|key| event[*key].as_str());
-    let of = of.unwrap_or("core");
-    let text = event.to_string();
-    let mut messages = vec![scene.log(time, event_json::event_level(event), (of, &text))];
-    if kind == "device" {
-        let (code, moving) = (event["code"].as_i64(), event["moving"].as_bool());
-        messages.extend(scene.device(time, of, code.unwrap_or(0), moving.unwrap_or(false)));
-    }
-    messages
 }

@@ -47,11 +47,12 @@ pub trait RunRecorder {
     /// Returns true while the recorder reads ticks from the tick log. It stops after an error of the output.
     fn writes(&self) -> bool;
 
-    /// Ends the recording. `lost` is the number of ticks for which the tick log had no room.
+    /// Ends the recording. `lost` is the number of ticks for which the tick log had no room. Returns `None` if nothing was
+    /// stored, because the messages of the run went to live viewers only.
     ///
     /// # Errors
     /// Returns the first error of the output, and an error if requests or events were dropped.
-    fn finish(self: Box<Self>, lost: u64) -> io::Result<RecordingStats>;
+    fn finish(self: Box<Self>, lost: u64) -> io::Result<Option<RecordingStats>>;
 }
 
 /// Statistics of a finished recording.

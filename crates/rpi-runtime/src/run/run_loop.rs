@@ -139,7 +139,7 @@ fn outcome(
     let lost = cycle.finish_tick_log();
     let written = host.recorder.take().map(|recorder| recorder.finish(lost));
     let (recorded, unrecorded) = match written.transpose() {
-        Ok(recorded) => (recorded, None),
+        Ok(recorded) => (recorded.flatten(), None),
         Err(why) => (None, Some(why.to_string())),
     };
     if let Some((command, faults)) = host.command_log.load_failure {

@@ -1,4 +1,4 @@
-//! Recording of the run.
+//! Recording of the run, and its messages for live viewers.
 
 use rpi_record::mcap::Recorder;
 use rpi_runtime::control::Event;
@@ -6,8 +6,8 @@ use rpi_runtime::run::RecordingStats;
 
 use super::event_log::EventLog;
 
-/// Recording of the run as seen by the server state. Without a writer, the run is not recorded and all methods do
-/// nothing.
+/// Recording of the run as seen by the server state. Without a recorder, the run is neither recorded nor has it live viewers, and
+/// all methods do nothing.
 pub(crate) struct Recording {
     recorder: Option<Recorder>,
     /// Whether the recording is still being written; false after an error or if the run is not recorded.
@@ -15,10 +15,10 @@ pub(crate) struct Recording {
 }
 
 impl Recording {
-    /// Creates the recording from its writer; `None` if the run is not recorded.
+    /// Creates the recording from its recorder; `None` if the run is not recorded and has no live viewers.
     pub(super) fn new(recorder: Option<Recorder>) -> Recording {
         Recording {
-            is_recording: recorder.is_some(),
+            is_recording: recorder.as_ref().is_some_and(Recorder::has_file),
             recorder,
         }
     }
@@ -50,6 +50,7 @@ impl Recording {
     pub(super) fn finish(&mut self, lost: u64) -> std::io::Result<Option<RecordingStats>> {
         self.is_recording = false;
         let recorder = self.recorder.take();
-        recorder.map(|recorder| recorder.finish(lost)).transpose()
+        let finished = recorder.map(|recorder| recorder.finish(lost)).transpose();
+        finished.map(Option::flatten)
     }
 }

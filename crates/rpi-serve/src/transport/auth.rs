@@ -3,18 +3,29 @@
 use std::net::IpAddr;
 use std::sync::Arc;
 
+use http::StatusCode;
+
 use super::auth_throttle::RejectReason;
 use super::http::Head;
 use crate::client_token::ClientToken;
 use crate::peer::Peer;
 use crate::role::{Identity, Role};
+use crate::web;
 
 /// Policy that determines the identity of a client from the token in its request.
 #[derive(Clone, Default)]
 pub(crate) struct AuthPolicy {
     /// Accepted tokens. If the list is empty, every client is accepted, which is allowed on loopback only.
     pub(crate) tokens: Vec<ClientToken>,
+    /// Origins whose pages may connect, besides that of the server itself.
+    pub(crate) origins: Vec<String>,
 }
+
+/// Error answer to a request whose `Host` header names another host, at a server without tokens.
+const OTHER_HOST: &str = "without a token this server answers only requests to an address or to `localhost`, not to other names (`Host`)";
+
+/// Error answer to a request that a browser sends on behalf of a page from another origin.
+const OTHER_ORIGIN: &str = "requests from pages of another origin are not allowed here";
 
 impl AuthPolicy {
     /// Returns the identity of the client that sends a request. The token is in the header `Authorization: Bearer ...`
@@ -44,6 +55,20 @@ impl AuthPolicy {
         })
     }
 
+    /// Returns an error response if a request is not for this server, or comes from a page of another origin.
+    pub(crate) fn check_page(&self, head: &Head) -> Result<(), web::Response> {
+        if !self.is_own_host(head) {
+            return Err(web::Response::error(
+                StatusCode::MISDIRECTED_REQUEST,
+                OTHER_HOST,
+            ));
+        }
+        match self.is_same_origin(head) {
+            true => Ok(()),
+            false => Err(web::Response::error(StatusCode::FORBIDDEN, OTHER_ORIGIN)),
+        }
+    }
+
     /// Returns whether the host of a request names this server. If the server has no tokens, the host must be an address
     /// or `localhost`: a page of another site whose name resolves to this machine sends no `Origin` with a simple request.
     /// A request of HTTP/1.0 without a host is accepted, as no browser sends one.
@@ -59,6 +84,9 @@ impl AuthPolicy {
         let Some(origin) = head.header("origin") else {
             return true;
         };
+        if self.origins.iter().any(|allowed| allowed == origin) {
+            return true;
+        }
         let host = origin.split_once("://").map(|(_, host)| host);
         host.is_some_and(|host| {
             let own = head.host.as_deref() == Some(host);
@@ -112,6 +140,7 @@ mod tests {
     fn secret() -> AuthPolicy {
         AuthPolicy {
             tokens: vec![ClientToken::new("anna", Role::Operator, "secret")],
+            origins: Vec::new(),
         }
     }
 
@@ -181,6 +210,28 @@ mod tests {
         assert!(policy.is_same_origin(&head("/", "Origin: http://cell:8080")));
         assert!(!policy.is_same_origin(&head("/", "Origin: http://evil.example")));
         assert!(!policy.is_same_origin(&head("/", "Origin: null")));
+    }
+
+    #[test]
+    fn pages_of_allowed_origins_connect() {
+        let policy = AuthPolicy {
+            origins: vec!["https://app.example".to_owned()],
+            ..AuthPolicy::default()
+        };
+        let connects = |origin: &str| {
+            let origin = format!("Origin: {origin}");
+            policy
+                .check_page(&head_at("localhost:70", "/", &origin))
+                .is_ok()
+        };
+        assert!(connects("https://app.example") && connects("http://localhost:70"));
+        for other in [
+            "http://app.example",
+            "https://app.example.evil.example",
+            "https://evil.example",
+        ] {
+            assert!(!connects(other), "{other}");
+        }
     }
 
     #[test]

@@ -89,7 +89,7 @@ impl AuthThrottle {
     }
 
     /// Counts a rejection. Returns the text for the log if this rejection is to be logged, else `None`.
-    pub(super) fn record(&self, peer: Peer, why: RejectReason) -> Option<String> {
+    pub(crate) fn record(&self, peer: Peer, why: RejectReason) -> Option<String> {
         self.totals[why as usize].fetch_add(1, Ordering::Relaxed);
         let mut all = self.lock();
         all.retain(|_, s| s.waiting > 0 || s.latest.elapsed() < ENTRY_LIFETIME);

@@ -12,7 +12,7 @@ use tungstenite::{Error, Message, WebSocket};
 
 use super::http::is_timeout;
 use super::metered_stream::MeteredStream;
-use super::outbox::{OutboxReceiver, QueuedMessage};
+use super::outbox::{OutboxReceiver, QueueSpace};
 
 /// Time for which a connection waits for data from its client before it sends the outgoing messages that are queued.
 pub(crate) const READ_TIMEOUT: Duration = Duration::from_millis(2);
@@ -31,6 +31,25 @@ pub(crate) trait ConnectionHandler {
     /// Reports to the client why the connection is closed. Only used for transports that have no close frame.
     fn on_error(&mut self, _: &str) {}
 }
+
+/// Queue of the messages to a client.
+pub(crate) trait Outgoing {
+    /// Returns the next message, for which it waits at most this time; `None` if there is none.
+    fn next_message(&self, wait: Duration) -> Option<OutgoingMessage>;
+
+    /// Returns whether the connection must end, because the client does not read its messages.
+    fn is_closed(&self) -> bool;
+}
+
+/// Message to a client.
+pub(crate) enum OutgoingMessage {
+    /// Text, with the memory that is reserved for it until it is sent.
+    Text(String, Option<QueueSpace>),
+    Binary(Vec<u8>),
+}
+
+/// Maximum number of messages that are sent before the connection reads again.
+const MAX_SENT: usize = 1024;
 
 /// Connection to a client, whose reads time out after [`READ_TIMEOUT`].
 pub(crate) trait Stream: Read + Write + Send {
@@ -113,7 +132,7 @@ pub(crate) fn websocket(
     rest: Vec<u8>,
     (most, silence): MessageLimits,
     front: &mut dyn ConnectionHandler,
-    out: &OutboxReceiver,
+    out: &dyn Outgoing,
     closing: &AtomicBool,
 ) -> CloseReason {
     let config = WebSocketConfig::default()
@@ -181,7 +200,7 @@ fn handle_read(
 }
 
 /// Calls `send` to send the queued messages. Returns the reason for the end of the connection; `None` if it continues.
-fn send_queued(out: &OutboxReceiver, send: impl FnOnce() -> io::Result<()>) -> Option<CloseReason> {
+fn send_queued(out: &dyn Outgoing, send: impl FnOnce() -> io::Result<()>) -> Option<CloseReason> {
     if out.is_closed() {
         return Some(CloseReason::NotReading);
     }
@@ -233,20 +252,22 @@ impl Liveness {
 /// Iterates over the queued outgoing messages. If an answer is expected, the iterator waits up to [`ANSWER_WAIT`] for
 /// the first one.
 fn queued_messages(
-    out: &OutboxReceiver,
+    out: &dyn Outgoing,
     answer_expected: bool,
-) -> impl Iterator<Item = QueuedMessage> + '_ {
+) -> impl Iterator<Item = OutgoingMessage> + '_ {
     let wait = match answer_expected {
         true => ANSWER_WAIT,
         false => Duration::ZERO,
     };
-    let first = out.receive(wait);
-    std::iter::successors(first, |_| out.receive(Duration::ZERO))
+    let waits = std::iter::once(wait).chain(std::iter::repeat(Duration::ZERO));
+    waits
+        .map_while(|wait| out.next_message(wait))
+        .take(MAX_SENT)
 }
 
 fn send(
     socket: &mut WebSocket<MeteredStream>,
-    out: &OutboxReceiver,
+    out: &dyn Outgoing,
     answer_expected: bool,
 ) -> io::Result<()> {
     let failed = |why: Error| match why {
@@ -254,12 +275,17 @@ fn send(
         other => io::Error::other(other),
     };
     for message in queued_messages(out, answer_expected) {
-        let (text, _space) = message.into_parts();
-        if text.len() <= LARGE_MESSAGE {
-            socket.write(Message::text(text)).map_err(failed)?;
-        } else {
-            socket.flush().map_err(failed)?;
-            write_frame(socket.get_mut(), &text)?;
+        match message {
+            OutgoingMessage::Text(text, _space) if text.len() > LARGE_MESSAGE => {
+                socket.flush().map_err(failed)?;
+                write_frame(socket.get_mut(), &text)?;
+            }
+            OutgoingMessage::Text(text, _space) => {
+                socket.write(Message::text(text)).map_err(failed)?;
+            }
+            OutgoingMessage::Binary(data) => {
+                socket.write(Message::binary(data)).map_err(failed)?;
+            }
         }
     }
     socket.flush().map_err(failed)
@@ -368,9 +394,11 @@ fn send_lines(
     answer_expected: bool,
 ) -> io::Result<()> {
     for message in queued_messages(out, answer_expected) {
-        let (text, _space) = message.into_parts();
-        stream.write_all(text.as_bytes())?;
-        stream.write_all(b"\n")?;
+        // Connections with lines have no binary messages.
+        if let OutgoingMessage::Text(text, _space) = message {
+            stream.write_all(text.as_bytes())?;
+            stream.write_all(b"\n")?;
+        }
     }
     stream.flush()
 }

@@ -1,20 +1,21 @@
 //! Accepts connections, each on its own thread, as far as there are [places](super::places).
 
-use std::io::{self, Write};
 use std::net::{TcpListener, TcpStream};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::thread;
-use std::time::{Duration, Instant};
+use std::time::Duration;
 
 use http::{Method, StatusCode};
-use tungstenite::handshake::derive_accept_key;
 
 use super::auth::AuthPolicy;
 use super::auth_throttle::{AuthThrottle, RejectReason};
 use super::connection_counts::ConnectionCounts;
 use super::framing::{self, CloseReason, ConnectionHandler, READ_TIMEOUT, Stream};
-use super::http::{Head, RequestError, is_timeout};
+use super::handshake::{
+    accept_websocket, finish, is_websocket_upgrade, prepare, rejection, starts_tls,
+};
+use super::http::{Head, RequestError};
 use super::memory_pool::MemoryPool;
 use super::metered_stream::MeteredStream;
 use super::outbox::{Outbox, OutboxReceiver, outbox};
@@ -65,13 +66,7 @@ impl Acceptor {
     }
 
     fn accept(&self, stream: TcpStream, peer: Peer) {
-        let ready = stream
-            // Some systems let an accepted socket inherit the non-blocking mode of the listener. Messages are small,
-            // and without `set_nodelay` each would wait for the acknowledgement of the one before.
-            .set_nonblocking(false)
-            .and_then(|()| stream.set_nodelay(true))
-            .and_then(|()| stream.set_read_timeout(Some(READ_TIMEOUT)))
-            .and_then(|()| stream.set_write_timeout(Some(self.limits.request_timeout)));
+        let ready = prepare(&stream, self.limits.request_timeout);
         let other_end = ready.and_then(|()| stream.try_clone());
         let Ok(other_end) = other_end else {
             return;
@@ -132,29 +127,21 @@ impl Acceptor {
             }
         };
         let head_only = head.method == Method::HEAD;
-        let response = if !self.auth.is_own_host(&head) {
-            web::Response::error(StatusCode::MISDIRECTED_REQUEST, OTHER_HOST)
-        } else if !self.auth.is_same_origin(&head) {
-            web::Response::error(StatusCode::FORBIDDEN, OTHER_ORIGIN)
-        } else {
-            match self.auth.identify(&head, peer) {
+        let response = match self.auth.check_page(&head) {
+            Err(response) => response,
+            Ok(()) => match self.auth.identify(&head, peer) {
                 Ok(who) => return self.serve_client(stream, head, who, place),
                 Err(why) => match self.rejection(peer, why, place) {
                     Some(response) => response,
                     None => return,
                 },
-            }
+            },
         };
         self.finish(&mut stream, &response, head_only);
     }
 
-    /// Sends the last response to a client and closes the direction to it. Reads and drops what the client still sends:
-    /// closing a socket with unread data resets the connection, and the client would lose the response.
     fn finish(&self, stream: &mut MeteredStream, response: &web::Response, head_only: bool) {
-        if response.send(stream, head_only).is_ok() {
-            stream.end_writing();
-            stream.drain(self.limits.message_bytes, self.limits.request_timeout);
-        }
+        finish(stream, response, head_only, &self.limits);
     }
 
     /// Serves an authenticated client, which has sent the head of a request: opens a websocket or answers the request.
@@ -195,16 +182,8 @@ impl Acceptor {
     /// is delayed, to slow down guessing.
     fn rejection(&self, peer: Peer, why: RejectReason, place: &Place) -> Option<web::Response> {
         self.log_rejection(peer, why);
-        if why == RejectReason::NoToken {
-            let needed = "a token is needed: `Authorization: Bearer TOKEN`, or `?token=TOKEN`";
-            return Some(web::Response::error(StatusCode::UNAUTHORIZED, needed));
-        }
-        // A delayed answer occupies a thread. Beyond the limit of a peer, the connection is closed without an answer.
-        let _wait = self.throttle.reserve_delay(peer)?;
-        place.extend(self.limits.wrong_token_delay);
-        thread::sleep(self.limits.wrong_token_delay);
-        let wrong = "the token is wrong";
-        Some(web::Response::error(StatusCode::UNAUTHORIZED, wrong))
+        let delay = self.limits.wrong_token_delay;
+        rejection(why, (&self.throttle, peer), delay, || place.extend(delay))
     }
 
     /// Logs a rejected connection or request.
@@ -273,13 +252,7 @@ impl Acceptor {
                 &self.limits,
             )),
         };
-        let accept = derive_accept_key(key.as_bytes());
-        let agreed = write!(
-            stream,
-            "HTTP/1.1 101 Switching Protocols\r\nUpgrade: websocket\r\nConnection: Upgrade\r\n\
-             Sec-WebSocket-Accept: {accept}\r\n\r\n"
-        );
-        if agreed.and_then(|()| stream.flush()).is_ok() {
+        if accept_websocket(&mut stream, key, None).is_ok() {
             // No pings for DirectIO: clients of the reference system are not known to answer them.
             let silence = Some(self.limits.idle_timeout).filter(|_| is_rpc);
             let end = framing::websocket(
@@ -320,43 +293,12 @@ const WEBSOCKET_PATHS: &[&str] = &[DIRECTIO_PATH, RPC_PATH];
 /// Number of steps of a request with a time limit each: its body, its execution, its response, and its end.
 const REQUEST_STEPS: u32 = 4;
 
-/// Error answer to a request whose `Host` header names another host, at a server without tokens.
-const OTHER_HOST: &str = "without a token this server answers only requests to an address or to `localhost`, not to other names (`Host`)";
-
-/// Error answer to a request that a browser sends on behalf of a page from another origin.
-const OTHER_ORIGIN: &str = "requests from pages of another origin are not allowed here";
-
 /// Error answer to a client for which no connection is left, except one for an emergency stop.
 const NO_PLACE: &str =
     "there is no place for another client; the websocket /rpc still accepts `emergency.stop`";
 
 /// Error answer to an unencrypted request at a TLS port.
 const TLS_REQUIRED: &str = "this port speaks TLS only: https:// or wss://";
-
-/// First byte of a TLS connection: the content type of a handshake record (RFC 8446, section 5.1).
-const HANDSHAKE: u8 = 22;
-
-/// Waits for the first byte from a client and returns whether it starts a TLS handshake. The byte remains in the
-/// stream. Returns an error after `timeout`.
-fn starts_tls(stream: &TcpStream, timeout: Duration) -> io::Result<bool> {
-    let begin = Instant::now();
-    let mut first = [0];
-    loop {
-        match stream.peek(&mut first) {
-            Ok(0) => return Err(io::ErrorKind::UnexpectedEof.into()),
-            Ok(_) => return Ok(first[0] == HANDSHAKE),
-            Err(e) if is_timeout(&e) && begin.elapsed() < timeout => {}
-            Err(e) => return Err(e),
-        }
-    }
-}
-
-/// Returns whether a request asks for a websocket (RFC 6455, section 4.2.1).
-fn is_websocket_upgrade(head: &Head) -> bool {
-    let upgrade = head.header("upgrade");
-    let is_websocket = upgrade.is_some_and(|value| value.eq_ignore_ascii_case("websocket"));
-    is_websocket && head.method == Method::GET
-}
 
 #[cfg(unix)]
 impl Acceptor {

@@ -5,6 +5,7 @@ mod auth_throttle;
 mod connection_counts;
 mod frame_position;
 pub(crate) mod framing;
+mod handshake;
 mod http;
 mod listener;
 mod memory_pool;
@@ -23,12 +24,12 @@ pub(crate) use self::http::RequestError;
 pub(crate) use auth::AuthPolicy;
 pub(crate) use auth_throttle::AuthThrottle;
 pub(crate) use connection_counts::ConnectionCounts;
-pub(crate) use framing::ConnectionHandler;
-#[cfg(feature = "entry-points")]
-pub(crate) use framing::Stream;
+pub(crate) use framing::{ConnectionHandler, Outgoing, OutgoingMessage, Stream};
+pub(crate) use handshake::{
+    accept_websocket, finish, is_websocket_upgrade, prepare, rejection, starts_tls,
+};
 pub(crate) use listener::Acceptor;
 pub(crate) use memory_pool::{ConnectionMemory, MemoryPool};
-#[cfg(feature = "entry-points")]
 pub(crate) use metered_stream::MeteredStream;
 pub(crate) use outbox::{Outbox, QueueSpace, SubscriptionSender};
 #[cfg(any(test, feature = "entry-points"))]

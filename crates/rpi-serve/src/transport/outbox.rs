@@ -5,6 +5,7 @@ use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 use std::sync::mpsc::{Receiver, SyncSender, sync_channel};
 use std::time::Duration;
 
+use super::framing::{Outgoing, OutgoingMessage};
 use super::memory_pool::ConnectionMemory;
 use crate::limits::Limits;
 
@@ -168,6 +169,17 @@ impl OutboxReceiver {
     /// Returns whether the client was marked as disconnected, so that its connection must end.
     pub(crate) fn is_closed(&self) -> bool {
         self.closed.load(Ordering::Relaxed)
+    }
+}
+
+impl Outgoing for OutboxReceiver {
+    fn next_message(&self, wait: Duration) -> Option<OutgoingMessage> {
+        let (text, space) = self.receive(wait)?.into_parts();
+        Some(OutgoingMessage::Text(text, Some(space)))
+    }
+
+    fn is_closed(&self) -> bool {
+        OutboxReceiver::is_closed(self)
     }
 }
 

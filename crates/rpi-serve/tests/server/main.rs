@@ -7,6 +7,7 @@ mod client;
 mod cycle_share;
 mod evals;
 mod exchange;
+mod foxglove;
 mod hostile_http;
 mod json_rpc;
 mod limits;

@@ -4,9 +4,9 @@
 mod support;
 
 use std::ffi::OsStr;
-use std::io::Write;
+use std::io::{BufRead, BufReader, Write};
 use std::path::{Path, PathBuf};
-use std::process::Command;
+use std::process::{Child, Command, Stdio};
 
 use support::{output_text, rpi};
 
@@ -135,4 +135,42 @@ fn pyarrow_reads_tables() {
         ]);
     }
     run_script(&python, "tables.py", &[&csv, &parquet, &arrow]);
+}
+
+/// Process that ends with the test.
+struct Process(Child);
+
+impl Drop for Process {
+    fn drop(&mut self) {
+        // It may have ended already.
+        let _ = self.0.kill();
+        let _ = self.0.wait();
+    }
+}
+
+/// A program with a package of others for websockets gets live messages: joint states, and a flow that is not exported.
+#[test]
+fn a_client_of_the_published_protocol_gets_live_messages() {
+    let Some(python) = python("websockets", "live messages for Foxglove") else {
+        return;
+    };
+    let program = rpi_testkit::workspace_root().join("examples/blending/blending.rpi");
+    let mut run = Command::new(env!("CARGO_BIN_EXE_rpi"));
+    run.arg("run").arg(program);
+    run.args(["--real-time", "--foxglove", "0", "--watch", "MoveToA.way"]);
+    let mut run = Process(
+        run.stdout(Stdio::null())
+            .stderr(Stdio::piped())
+            .spawn()
+            .unwrap(),
+    );
+    let lines = BufReader::new(run.0.stderr.take().unwrap()).lines();
+    let mut lines = lines.map(|line| line.unwrap());
+    let address = lines.find_map(|line| {
+        let (_, address) = line.split_once("live messages for Foxglove at ")?;
+        Some(address.to_owned())
+    });
+    let address = address.expect("the run prints the address");
+    let arguments = [address.as_str(), "/command/MoveToA", "way.speed"];
+    run_script(&python, "foxglove.py", &arguments);
 }

@@ -11,14 +11,12 @@ use super::cut_selection::CutSelection;
 use super::cut_window::{CutWindow, Place, logged};
 use crate::mcap::completion::CUT;
 use crate::mcap::error::RecordingError;
+use crate::mcap::live::LATCHED_TOPICS;
 use crate::mcap::mcap_file::{CopiedChannel, Output};
 use crate::mcap::own_topics::{EVENTS, IMAGES, REQUESTS, TAPE};
 use crate::mcap::profile::Profile;
 use crate::mcap::reader::{EXCERPT_FROM, EXCERPT_TO, Recording, json};
 use crate::mcap::{bytes_encoding, text_encoding};
-
-/// Topics whose last message a viewer needs whenever it comes to a recording.
-const LATCHED_TOPICS: [&str; 2] = ["/robot_description", "/tf_static"];
 
 /// What a recording has that was cut out of another one.
 #[derive(Clone, PartialEq, Eq, Debug)]

@@ -95,6 +95,12 @@ impl FoxgloveScene {
         }
     }
 
+    /// Returns the topics of messages about arms, and the one of the log.
+    pub(super) fn topics(&self) -> ([&Arc<EncodedTopic>; 3], &Arc<EncodedTopic>) {
+        let arms = [&self.joint_states, &self.tf, &self.robot_description];
+        (arms, &self.log)
+    }
+
     pub(super) fn description(&self, urdf: &str) -> SceneMessage {
         message(&self.robot_description, &json!({ "data": urdf }))
     }

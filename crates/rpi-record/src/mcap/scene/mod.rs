@@ -62,6 +62,16 @@ enum Encoder {
     Foxglove(foxglove::FoxgloveScene),
 }
 
+impl Encoder {
+    /// Returns the topics of joint states, transforms and robot description, and the one of the log.
+    fn topics(&self) -> ([&Arc<EncodedTopic>; 3], &Arc<EncodedTopic>) {
+        match self {
+            Encoder::Ros2(scene) => scene.topics(),
+            Encoder::Foxglove(scene) => scene.topics(),
+        }
+    }
+}
+
 /// The arms of a recorded cell, with the encoder of messages about them for viewers.
 pub(super) struct Scene {
     encoder: Encoder,
@@ -102,6 +112,15 @@ impl Scene {
         })
     }
 
+    /// Returns the topics of the messages. Without arms, there is only the log.
+    pub(super) fn topics(&self) -> Vec<&Arc<EncodedTopic>> {
+        let (all, log) = self.encoder.topics();
+        match self.arms.is_empty() {
+            true => vec![log],
+            false => all.into_iter().chain([log]).collect(),
+        }
+    }
+
     /// Returns the messages at the beginning of each part of a recording: the robot description with all arms.
     pub(super) fn descriptions(&self) -> Vec<SceneMessage> {
         if self.arms.is_empty() {
@@ -115,8 +134,13 @@ impl Scene {
     }
 
     /// Returns the messages about a tick: the states of all joints, and, at intervals, the poses of all links. `time`
-    /// is in nanoseconds since the Unix epoch.
-    pub(super) fn messages(&mut self, tick: &LoggedTick<'_>, time: u64) -> Vec<SceneMessage> {
+    /// is in nanoseconds since the Unix epoch. Topics that are not in `needs` are left out.
+    pub(super) fn messages(
+        &mut self,
+        tick: &LoggedTick<'_>,
+        time: u64,
+        needs: impl Fn(&Arc<EncodedTopic>) -> bool,
+    ) -> Vec<SceneMessage> {
         let samples = decode_entries(tick.observations).filter(|e| e.kind == EntryKind::Sample);
         for entry in samples {
             let value = entry.words.first().copied().filter(|_| entry.flag);
@@ -131,7 +155,8 @@ impl Scene {
             .iter_mut()
             .flat_map(|a| a.joints(self.tick))
             .collect();
-        if !joints.is_empty() {
+        let ([joint_states, transforms, _], _) = self.encoder.topics();
+        if !joints.is_empty() && needs(joint_states) {
             messages.push(match &self.encoder {
                 Encoder::Ros2(scene) => scene.joints(time, &joints),
                 Encoder::Foxglove(scene) => scene.joints(time, &joints),
@@ -140,7 +165,7 @@ impl Scene {
         let due = self
             .placed
             .is_none_or(|last| time.saturating_sub(last) >= TRANSFORM_INTERVAL);
-        if due && !self.arms.is_empty() {
+        if due && !self.arms.is_empty() && needs(transforms) {
             self.placed = Some(time);
             let frames: Vec<FramePose> = self.arms.iter().flat_map(ArmView::frames).collect();
             messages.push(match &self.encoder {

@@ -60,6 +60,12 @@ impl Ros2Scene {
         }
     }
 
+    /// Returns the topics of messages about arms, and the one of the log.
+    pub(super) fn topics(&self) -> ([&Arc<EncodedTopic>; 3], &Arc<EncodedTopic>) {
+        let arms = [&self.joint_states, &self.tf, &self.robot_description];
+        (arms, &self.rosout)
+    }
+
     pub(super) fn description(&self, urdf: &str) -> SceneMessage {
         let mut cdr = CdrWriter::new();
         cdr.string(urdf);
