@@ -7,7 +7,7 @@ use rpi_diag::Span;
 use rpi_image::{PrimDesc, Type, Value};
 use rpi_prims::PrimId;
 use smallvec::SmallVec;
-use std::collections::BTreeSet;
+use std::collections::{BTreeMap, BTreeSet};
 
 /// Place in a program from which a node or fragment comes, for messages, traces and the debugger.
 #[derive(Clone, PartialEq, Eq, Debug)]
@@ -166,6 +166,8 @@ pub struct ExportPort {
     pub key: String,
     /// Flow that the command publishes under the key.
     pub source: PortRef,
+    /// Unit of the values, such as `m/s`; empty if they have none.
+    pub unit: String,
     /// Place of the export in the program text.
     pub origin: Origin,
 }
@@ -219,6 +221,8 @@ pub struct Net {
     pub command_inputs: Vec<CommandInput>,
     /// Flows that the command publishes, in addition to the inputs of export primitives among the nodes.
     pub exports: Vec<ExportPort>,
+    /// Units of the inputs that the host sets, by their keys. An input that is not listed has none.
+    pub input_units: BTreeMap<String, String>,
     /// Groups of device ports that drive the same actuator.
     pub alternatives: Vec<Alternatives>,
     /// Assertions and contract clauses of the program that the net publishes.
@@ -259,6 +263,7 @@ impl Net {
             },
             command_inputs: Vec::new(),
             exports: Vec::new(),
+            input_units: BTreeMap::new(),
             alternatives: Vec::new(),
             claims: Vec::new(),
             coverage_points: CoveragePoints::default(),
