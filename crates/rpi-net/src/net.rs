@@ -235,6 +235,14 @@ pub struct Net {
     pub is_test: bool,
 }
 
+impl Fragment {
+    /// Returns true for a fragment that has a name in the program: not the root, and not one that only groups the operations of a clock.
+    #[must_use]
+    pub fn is_named(&self) -> bool {
+        !self.name.is_empty() && !self.is_clock
+    }
+}
+
 impl Net {
     /// Creates an empty net with the given name and a root fragment.
     #[must_use]
@@ -333,5 +341,16 @@ impl Net {
         parts.reverse();
         parts.push(name);
         parts.join("/")
+    }
+
+    /// Returns the names of the fragments of the program from the root to this one, outermost first. The root, and fragments that only group the
+    /// operations of a clock, have none.
+    #[must_use]
+    pub fn fragment_names(&self, fragment: FragmentId) -> Vec<&str> {
+        let around = self.ancestors(fragment).map(|id| self.fragment(id));
+        let named = around.filter(|fragment| fragment.is_named());
+        let mut names: Vec<&str> = named.map(|fragment| fragment.name.as_str()).collect();
+        names.reverse();
+        names
     }
 }
