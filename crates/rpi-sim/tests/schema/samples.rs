@@ -10,6 +10,7 @@ robot_files = [{ path = "other.toml", text = "name = 'other'" }]
 kind = "digital-io"
 inputs = [true, false]
 outputs = 8
+safe = [{ output = 0, value = false }, { output = 7, value = true }]
 repeat = "2 s"
 script = [{ at = 1, input = 1, value = true }, { at = 0.5, input = 0, value = false }]
 
@@ -22,6 +23,7 @@ outputs = [false]
 kind = "analogue-io"
 inputs = 2
 outputs = [0.5]
+safe = [{ output = 0, value = 0 }]
 repeat = 2
 script = [{ at = 1, input = 1, value = 0.5 }]
 
