@@ -196,6 +196,33 @@ class ChunkTest(ArmTest):
 
         await self.with_arm(work)
 
+    async def test_appended_chunks_wait_for_the_room_that_the_arm_has(self) -> None:
+        count, rows = 12, 50
+
+        async def work(_: Session, arm: Arm) -> None:
+            home: list[float] = []
+
+            async def policy(observations: AsyncIterator[Observation]) -> AsyncIterator[Chunk]:
+                async for observation in observations:
+                    home.extend(observation.commanded)
+                    break
+                for k in range(count):
+                    times = [0.01 * row for row in range(rows * k, rows * k + rows)]
+                    # More rows than the arm keeps, sent at once: a chunk that is lost would shift all behind it.
+                    yield Chunk([[home[0] + 0.02 * t**2 / (1.0 + t), *home[1:]] for t in times], append=k > 0)
+
+            options = ChunkOptions(rows=rows, period=0.01)
+            report = await asyncio.wait_for(arm.chunks(policy, options, backlog="queue"), 20)
+            self.assertEqual((report.sent, report.accepted, report.codes), (count, count, {}), report)
+            t = 0.01 * (rows * count - 1)
+            async with await arm.watch("commanded") as watched:
+                async for feedback in watched.feedback():
+                    if feedback.values:
+                        break
+            self.assertAlmostEqual(watched.latest.values["commanded"][0], home[0] + 0.02 * t**2 / (1.0 + t), delta=1e-3)
+
+        await self.with_arm(work)
+
     async def test_what_a_stream_needs_is_checked_before_it_is_sent(self) -> None:
         async def work(_: Session, arm: Arm) -> None:
             async with await arm.open_chunks(ChunkOptions(rows=10, velocities=True)) as stream:

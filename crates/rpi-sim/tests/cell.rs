@@ -271,11 +271,11 @@ const BROKEN: &[(&str, &str)] = &[
     ),
     (
         "[devices.a]\nkind = \"digital-io\"\noutputs = 1\nsafe = [{ output = 1, value = true }]",
-        "`output` is 1, out of range",
+        "4:20: `output` is 1, out of range",
     ),
     (
         "[devices.a]\nkind = \"digital-io\"\noutputs = 1\nsafe = [{ output = 0, value = true }, { output = 0, value = false }]",
-        "this output has a safe value already",
+        "4:50: this output has a safe value already",
     ),
 ];
 

@@ -88,7 +88,12 @@ fn recorded(job: &str, options: &[&str], status: i32, flow: &str) -> Vec<(u64, S
     let mut arguments = vec!["run", &files[0], "--record", &files[1]];
     arguments.extend(options);
     let output = rpi(&arguments);
-    assert_eq!(output.status.code(), Some(status), "{}", output_text(&output));
+    assert_eq!(
+        output.status.code(),
+        Some(status),
+        "{}",
+        output_text(&output)
+    );
     let rows = std::fs::read_to_string(record).unwrap();
     let mut rows: Vec<(u64, String)> = rows
         .lines()
@@ -166,7 +171,10 @@ fn the_torch_is_off_after_every_ending() {
     ];
     for (options, status) in endings {
         let torch = recorded("welding", options, status, "torch.out.bool");
-        assert!(torch.iter().any(|(_, value)| value == "true"), "{options:?}");
+        assert!(
+            torch.iter().any(|(_, value)| value == "true"),
+            "{options:?}"
+        );
         assert_eq!(torch.last().unwrap().1, "false", "{options:?}");
     }
 }

@@ -221,7 +221,10 @@ impl fmt::Display for DeviceProblem {
         match self.place {
             ProblemPlace::OnPath => write!(f, ": {value:.4} m along a path of {limit:.4} m"),
             ProblemPlace::OffPath if value.is_nan() => {
-                write!(f, ": the path of length {limit:.6} has no such point or zone")
+                write!(
+                    f,
+                    ": the path of length {limit:.6} has no such point or zone"
+                )
             }
             ProblemPlace::OffPath => write!(f, ": {value:.6} on a path of length {limit:.6}"),
             ProblemPlace::Ahead => write!(f, ": at {value:.4}, the motion came to {limit:.4}"),

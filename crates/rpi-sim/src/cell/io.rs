@@ -141,10 +141,7 @@ fn read_signal<T: InputValue>(reader: &mut TableReader<'_>) -> TerminalSpec<T> {
 }
 
 /// Reads the key `safe`, a list of tables with an output and its value. Returns the safe value of each of `outputs` outputs.
-fn read_safe_values<T: InputValue>(
-    reader: &mut TableReader<'_>,
-    outputs: usize,
-) -> Vec<Option<T>> {
+fn read_safe_values<T: InputValue>(reader: &mut TableReader<'_>, outputs: usize) -> Vec<Option<T>> {
     let mut safe = vec![None; outputs];
     for mut table in reader.tables("safe") {
         let output = table.index("output", outputs as u64);
@@ -154,7 +151,11 @@ fn read_safe_values<T: InputValue>(
         let slot = output.and_then(|output| safe.get_mut(usize::try_from(output).ok()?));
         if slot.as_ref().is_some_and(|slot| slot.is_some()) {
             let help = "give each output one safe value".to_owned();
-            table.error_at("output", "this output has a safe value already".to_owned(), Some(help));
+            table.error_at(
+                "output",
+                "this output has a safe value already".to_owned(),
+                Some(help),
+            );
         }
         slot.into_iter().for_each(|slot| *slot = value);
         table.finish();

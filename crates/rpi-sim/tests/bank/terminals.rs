@@ -82,12 +82,19 @@ fn an_output_takes_its_safe_value_and_the_others_keep_theirs() {
         .collect();
     let shown_analogue = sensor(&mut bank, "io", "out.real", 0, REAL);
     let outputs = |bank: &mut rpi_sim::SimBank| {
-        let values: Vec<f64> = shown.iter().flat_map(|port| reals(bank, *port, 1)).collect();
+        let values: Vec<f64> = shown
+            .iter()
+            .flat_map(|port| reals(bank, *port, 1))
+            .collect();
         (bits(&values), reals(bank, shown_analogue, 1)[0])
     };
     bank.write(digital[0], &[1]);
     bank.make_safe(bank.resource(digital[0]));
-    assert_eq!(outputs(&mut bank), (vec![1, 0, 0], 2.5), "without a safe value");
+    assert_eq!(
+        outputs(&mut bank),
+        (vec![1, 0, 0], 2.5),
+        "without a safe value"
+    );
     bank.make_safe(bank.resource(digital[1]));
     assert_eq!(outputs(&mut bank), (vec![1, 1, 0], 2.5));
     bank.make_safe(bank.resource(analogue));

@@ -259,12 +259,23 @@ fn an_event_of_no_motion_of_the_arm_is_reported_and_one_of_an_earlier_motion_is_
     let present = rig.call(&order, 0, 1.0, false);
     // The motion number of another arm, one that no motion has had yet, and none.
     let foreign = [earlier.number + 1, present.number + 256, 0];
-    for (number, reports) in foreign.map(|number| (number, 1)).into_iter().chain([(earlier.number, 0)]) {
+    for (number, reports) in foreign
+        .map(|number| (number, 1))
+        .into_iter()
+        .chain([(earlier.number, 0)])
+    {
         let answer = rig.event(number, Place::at(0.1), true);
-        assert_eq!((answer.error, answer.passed), (ErrorCode::SUPERSEDED, false));
+        assert_eq!(
+            (answer.error, answer.passed),
+            (ErrorCode::SUPERSEDED, false)
+        );
         let reported = rig.reports();
         assert_eq!(reported.len(), reports, "{number}: {reported:?}");
-        assert!(reported.iter().all(|report| report.code == ErrorCode::SUPERSEDED));
+        assert!(
+            reported
+                .iter()
+                .all(|report| report.code == ErrorCode::SUPERSEDED)
+        );
     }
 }
 

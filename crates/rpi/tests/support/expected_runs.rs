@@ -13,7 +13,11 @@ use serde_json::Value;
 fn run(program: &Path, expected: &Value) -> (i32, Value) {
     let folder = tempfile::tempdir().unwrap();
     let cell = folder.path().join("cell.toml");
-    write_changed(&program.with_file_name("cell.toml"), &expected["cell"], &cell);
+    write_changed(
+        &program.with_file_name("cell.toml"),
+        &expected["cell"],
+        &cell,
+    );
     let changed = folder.path().join("changed.rpi");
     let program = match &expected["program"] {
         Value::Null => program,
