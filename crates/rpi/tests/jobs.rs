@@ -148,7 +148,7 @@ fn the_weave_goes_across_the_seam_and_the_torch_burns_along_it() {
     );
 }
 
-/// The torch burns before each of these endings: no arc, a fault in the seam, the end of the run by `--time`.
+/// The torch burns before each of these endings: no arc, a failure of the arm, a fault, the end of the run by `--time`.
 #[test]
 fn the_torch_is_off_after_every_ending() {
     let folder = tempfile::tempdir().unwrap();
@@ -161,12 +161,14 @@ fn the_torch_is_off_after_every_ending() {
     };
     let dark = "inputs = [true]\nscript = [{ at = \"5 s\", input = 0, value = false }]";
     let dark = with_cell("dark.toml", "inputs = [true]", dark);
-    let broken = "joints =";
-    let failure = "faults = [{ at = 5, for = 1, trouble = \"joint-failure\", axis = 3 }]\njoints =";
-    let broken = with_cell("broken.toml", broken, failure);
-    let endings: [(&[&str], i32); 3] = [
+    let broken = "faults = [{ at = 5, for = 1, trouble = \"joint-failure\", axis = 3 }]\njoints =";
+    let broken = with_cell("broken.toml", "joints =", broken);
+    // The arm refuses the weave once the torch burns.
+    let slow = with_cell("slow.toml", "joints =", "limits = { jerk = 12 }\njoints =");
+    let endings: [(&[&str], i32); 4] = [
         (&["--cell", &dark], 1),
-        (&["--cell", &broken], 3),
+        (&["--cell", &broken], 1),
+        (&["--cell", &slow], 3),
         (&["--time", "10s"], 0),
     ];
     for (options, status) in endings {

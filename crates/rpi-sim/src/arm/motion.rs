@@ -148,11 +148,6 @@ impl Motion {
         self.tool_limits
     }
 
-    /// Returns true if the present motion or an earlier one of this arm has this number.
-    fn has_numbered(&self, number: i64) -> bool {
-        (1..=self.number).contains(&number) && number % NUMBER_STEP == self.device
-    }
-
     /// Returns the error code of the present motion; 0 for none.
     pub(super) fn error(&self) -> ErrorCode {
         self.error

@@ -34,8 +34,8 @@ outputs = 3
 
 [devices.box]
 kind = "io"
-digital = { inputs = 1, outputs = 1, repeat = 2, script = [{ at = "1 ms", input = 0, value = true }] }
-analogue = { inputs = [1.5], outputs = [2], repeat = 1, script = [{ at = "10 ms", input = 0, value = -1 }] }
+digital = { inputs = 1, outputs = 1, safe = [{ output = 0, value = true }], repeat = 2, script = [{ at = "1 ms", input = 0, value = true }] }
+analogue = { inputs = [1.5], outputs = [2], safe = [{ output = 0, value = "-1.5" }], repeat = 1, script = [{ at = "10 ms", input = 0, value = -1 }] }
 
 [devices.box2]
 kind = "io"

@@ -6,7 +6,7 @@
 
 use super::super::Arm;
 use super::super::limits::Violation;
-use super::{Motion, PRESENT_PERIODS};
+use super::{Motion, NUMBER_STEP, PRESENT_PERIODS};
 use crate::device::{SlotWriter, real_at};
 use crate::error_code::ErrorCode;
 use rpi_motion::path::Landmark;
@@ -107,6 +107,11 @@ impl EventRequest {
 }
 
 impl Motion {
+    /// Returns true if the present motion or an earlier one of this arm has this number.
+    fn has_numbered(&self, number: i64) -> bool {
+        (1..=self.number).contains(&number) && number % NUMBER_STEP == self.device
+    }
+
     /// Returns the distance (m, or rad) of the origin of an event from the start of the path; `None` if the path has no such
     /// place.
     fn event_origin(&self, request: &EventRequest) -> Option<f64> {
