@@ -101,6 +101,7 @@ class Arm(Device):
         and give its command to a :class:`ChunkStream`. ``ValueError`` for options that are out of range and for unknown devices."""
         devices = await self._session.devices()
         types = {name: device.program_type() for name, device in devices.items() if device.has_program_type()}
+        types.update({name: ("io", "") for name, device in devices.items() if device.kind == "io"})
         return chunk_program(self.name, self.joint_count, types, options)
 
     async def open_chunks(

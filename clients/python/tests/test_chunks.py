@@ -67,6 +67,17 @@ class Wave:
             yield Chunk(rows, observed=observation.time)
 
 
+#: A program that shows the outputs of the box.
+OUTPUTS = """command Outputs ()
+let
+  first_output = IO::OutBoolSensor<<DeviceID: "box", Port: 0>>();
+  second_output = IO::OutBoolSensor<<DeviceID: "box", Port: 1>>();
+  export first_output, second_output;
+  finish done when cancel;
+tel
+"""
+
+
 class Circle:
     """A policy in Cartesian space that moves the tool along a circle until an observation is `seconds` old."""
 
@@ -316,6 +327,29 @@ class ChunkTest(ArmTest):
                 early = [velocity for remaining, velocity in seen if remaining > 0.75]
                 self.assertLessEqual(set(early), {0.0})
                 self.assertAlmostEqual(seen[-1][1], 0.1, delta=1e-3)
+
+        await self.with_arm(work)
+
+    async def test_outputs_follow_the_rows(self) -> None:
+        async def work(session: Session, arm: Arm) -> None:
+            with self.assertRaisesRegex(ValueError, r"channels: box.set\[0\] is needed, too: outputs 0 to 1 are driven together"):
+                await arm.open_chunks(ChunkOptions(channels={"box.set[1]": "bool"}))
+            with self.assertRaisesRegex(ValueError, "box has digital and analogue outputs"):
+                await arm.open_chunks(ChunkOptions(channels={"box.set[0]": "bool", "box.set[1]": ""}))
+            channels = {"box.set[1]": "bool", "box.set[0]": "bool"}
+            options = ChunkOptions(rows=40, channels=channels, observe=["box.get[1]"])
+            outputs = await session.load(OUTPUTS)
+            async with await arm.open_chunks(options) as stream, outputs:
+                assert stream.latest is not None
+                self.assertEqual(stream.latest.values["box_get_1"], True)
+                rows = [stream.latest.commanded] * 40
+                with self.assertRaisesRegex(ValueError, "channels: box_set_1 of this stream needs a value"):
+                    await stream.send(Chunk(rows, channels={"box.set[0]": [0.0] * 40}))
+                await stream.send(Chunk(rows, channels={"box.set[1]": [0.0] * 5 + [1.0] * 35, "box.set[0]": [0.0] * 40}))
+                async for feedback in outputs.feedback():
+                    if feedback.values and feedback.values["second_output"]:
+                        break
+                self.assertEqual(outputs.latest.values["first_output"], False)
 
         await self.with_arm(work)
 
