@@ -2,7 +2,6 @@
 //! divided by it: for units of the SI both are `x` itself, without an operation.
 
 use crate::elab::signal::{PrimInputs, Signal, Wire};
-use rpi_image::Value;
 use rpi_net::prim;
 use rpi_prims::PrimId;
 
@@ -24,5 +23,5 @@ pub(super) fn equal_operand(prim: PrimId, inputs: &PrimInputs) -> Option<Wire> {
 }
 
 fn is_one(wire: &Wire) -> bool {
-    matches!(&**wire, [Signal::Const(Value::Real(1.0))])
+    matches!(&**wire, [Signal::Const(value)] if value.as_real() == Some(1.0))
 }
