@@ -296,10 +296,10 @@ tel
 ";
 
 fn program() -> rpi_driver::CompiledNode {
-    compile("filter.rpi", PROGRAM, "Filter")
+    compile_text("filter.rpi", PROGRAM, "Filter")
 }
 
-fn compile(path: &str, text: &str, node: &str) -> rpi_driver::CompiledNode {
+fn compile_text(path: &str, text: &str, node: &str) -> rpi_driver::CompiledNode {
     let input = rpi_driver::Input {
         path: path.into(),
         kind: rpi_driver::InputKind::Rpi,
@@ -403,7 +403,7 @@ fn the_header_has_the_units_of_inputs_and_outputs() {
     let text = "type Load = struct { mass: real[kg]; count: int };\n\
                 node Total (way: real[mm]; wait: time; load: Load; n: int) returns (force: real[N]; ratio: real; late: time)\n\
                 let force = load.mass * way / 1[s] / 1[s]; ratio = way / 1[m]; late = wait; tel\n";
-    let emitted = emit(&compile("total.rpi", text, "Total"));
+    let emitted = emit(&compile_text("total.rpi", text, "Total"));
     for field in [
         "input `way`: real[m] */",
         "input `wait`: real[s] */",
