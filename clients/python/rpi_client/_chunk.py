@@ -15,6 +15,9 @@ Rows = Union[Sequence[Sequence[float]], Sequence[SupportsToList], SupportsToList
 #: Least and largest number of rows of a chunk.
 LEAST_ROWS, MOST_ROWS = 4, 200
 
+#: Greatest number of rows that the arm keeps to be executed.
+MOST_WAITING = 400
+
 #: Numbers of a row of poses: position (m) and orientation (unit quaternion x, y, z, w).
 POSE_NUMBERS = 7
 

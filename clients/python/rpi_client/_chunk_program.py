@@ -8,6 +8,7 @@ from dataclasses import dataclass, field
 from typing import NamedTuple
 
 from ._chunk import LEAST_ROWS, MOST_ROWS
+from ._terminals import terminal_of, terminals_of, type_with_terminals
 from ._text import identifier, real_text
 
 #: Sensors of the arm that every observation has.
@@ -41,8 +42,9 @@ class ChunkOptions:
     (rad/s), ``acceleration`` (rad/s^2) and ``jerk`` (rad/s^3) bound each joint beside its own limits. ``velocities`` states that chunks
     have velocities. With ``poses`` the rows are poses of the tool. ``gripper`` names a gripper of the cell whose opening belongs to the chunks.
     ``channels`` names other actuators whose values belong to them, with their units: ``{"spindle.speed": "rad/s"}``; an empty unit is a plain
-    number, ``"bool"`` a truth value, true from 0.5 on. They are 0 before the first chunk. ``observe`` names further sensors for the observations:
-    ``"force"`` of the arm, ``"hand.opening"`` of another device, which has the name ``hand_opening`` in the values."""
+    number, ``"bool"`` a truth value, true from 0.5 on. An output of a digital or analogue device has an index, as in ``{"torch.set[0]": "bool"}``; all
+    outputs before it must be named, too. Actuators are 0 before the first chunk. ``observe`` names further sensors for the observations:
+    ``"force"`` of the arm, ``"hand.opening"`` of another device, which has the name ``hand_opening`` in the values, or ``"torch.get[0]"``."""
 
     rows: int = 50
     period: float = 0.02
@@ -73,7 +75,8 @@ class ChunkOptions:
 
 
 def chunk_program(arm: str, joint_count: int, types: dict[str, tuple[str, str]], options: ChunkOptions) -> str:
-    """Returns the text of a command that follows chunks. ``types`` has the module and the type of each device in programs.
+    """Returns the text of a command that follows chunks. ``types`` has the module and the type of each device in programs; the type of one of the
+    module ``io`` depends on the options.
 
     The age of a chunk is computed in the cycle that takes it, from ``observed``, a time of the command's own clock: an age computed by
     the client would be wrong by the time that the request takes, which is another one for each chunk."""
@@ -84,12 +87,13 @@ def chunk_program(arm: str, joint_count: int, types: dict[str, tuple[str, str]],
         if name not in types:
             raise ValueError(f"there is no device {name} with a type in programs; there are: {', '.join(types)}")
     uses = sorted({types[name][0] for name in devices} | {"motion"})
-    heads = "; ".join(f"{name}: {types[name][1]}" for name in devices)
+    heads = "; ".join(f"{name}: {_type_of(name, types[name], options)}" for name in devices)
     lines = [
         *_inputs(joint_count, options),
         *_motion(arm, joint_count, options),
         *_counters(),
         *(line for channel in _channels(options) for line in channel.lines()),
+        *_outputs(devices, options),
         *_exports(arm, options),
         "finish rests when resting and cancel;",
         # If several results hold in a cycle, that of an error counts.
@@ -118,6 +122,12 @@ def _devices(arm: str, options: ChunkOptions) -> list[str]:
         if name and name not in names:
             names.append(identifier(name))
     return names
+
+
+def _type_of(device: str, kind: tuple[str, str], options: ChunkOptions) -> str:
+    """Returns the type of a device in the program."""
+    module, name = kind
+    return type_with_terminals(device, options.channels, options.observe) if module == "io" else name
 
 
 def _inputs(joint_count: int, options: ChunkOptions) -> list[str]:
@@ -190,7 +200,8 @@ class _Channel(NamedTuple):
 
     #: Input of the values.
     key: str
-    actuator: str
+    #: Actuator, or a flow that becomes one of several outputs.
+    target: str
     #: Value from a plain number.
     value: str
     #: Value before the first chunk.
@@ -203,7 +214,7 @@ class _Channel(NamedTuple):
             f"held_{key} = if changed then {key} else ({key} -> pre held_{key});",
             f"first_{key} = {self.first} -> pre first_{key};",
             f"now_{key} = held_{key}[way.row];",
-            f"{self.actuator} = if way.accepted <> 0 then {self.value.format(f'now_{key}')} else first_{key};",
+            f"{self.target} = if way.accepted <> 0 then {self.value.format(f'now_{key}')} else first_{key};",
         ]
 
 
@@ -214,10 +225,27 @@ def _channels(options: ChunkOptions) -> list[_Channel]:
         hand = identifier(options.gripper)
         channels.append(_Channel("widths", f"{hand}.width", "{} * 1[m]", f"{hand}.opening"))
     for name, unit in options.channels.items():
-        device, _, port = name.rpartition(".")
         value, first = _conversion(name, unit)
-        channels.append(_Channel(channel_key(name), f"{identifier(device)}.{identifier(port)}", value, first))
+        channels.append(_Channel(channel_key(name), _target_of(name), value, first))
     return channels
+
+
+def _target_of(actuator: str) -> str:
+    if terminal_of(actuator) is not None:
+        return f"driven_{flow_name(actuator)}"
+    device, _, port = actuator.rpartition(".")
+    return f"{identifier(device)}.{identifier(port)}"
+
+
+def _outputs(devices: list[str], options: ChunkOptions) -> list[str]:
+    """Drives the outputs of digital and analogue devices, all of one device together."""
+    lines = []
+    for device in devices:
+        driven = terminals_of(device, "set", options.channels)
+        if driven:
+            values = ", ".join(_target_of(f"{device}.set[{index}]") for index in driven)
+            lines.append(f"{device}.set = [{values}];")
+    return lines
 
 
 def _conversion(name: str, unit: str) -> tuple[str, str]:
@@ -240,14 +268,21 @@ def _exports(arm: str, options: ChunkOptions) -> list[str]:
     lines = [f"{name} = way.{name}{factor};" for name, factor in _OUTPUTS]
     names = [*_COUNTS, *(name for name, _ in _OUTPUTS)]
     for sensor in (*_SENSORS, *options.observe):
-        device, _, port = sensor.rpartition(".")
         name = flow_name(sensor)
         if name not in names:
-            lines.append(f"{name} = {identifier(device) if device else arm}.{identifier(port)};")
+            lines.append(f"{name} = {_sensor_of(arm, sensor)};")
             names.append(name)
     return [*lines, *(f"export {name};" for name in names)]
 
 
+def _sensor_of(arm: str, sensor: str) -> str:
+    terminal = terminal_of(sensor)
+    if terminal is not None:
+        return f"{terminal.device}.{terminal.port}[{terminal.index}]"
+    device, _, port = sensor.rpartition(".")
+    return f"{identifier(device) if device else arm}.{identifier(port)}"
+
+
 def flow_name(sensor: str) -> str:
-    """Returns the name of a sensor among the exports: ``hand_opening`` for ``hand.opening``."""
-    return sensor.replace(".", "_")
+    """Returns the name of a sensor among the exports: ``hand_opening`` for ``hand.opening``, ``torch_get_0`` for ``torch.get[0]``."""
+    return sensor.replace(".", "_").replace("[", "_").replace("]", "")

@@ -4,13 +4,14 @@ from __future__ import annotations
 
 import asyncio
 import contextlib
+import math
 import time
 from collections.abc import AsyncIterator
 from dataclasses import replace
 from types import TracebackType
 from typing import TYPE_CHECKING, Any
 
-from ._chunk import POSE_NUMBERS, Chunk, Observation, Rows, SentChunk, column_of, lengthened, limit_of, padded, poses_of, rows_of
+from ._chunk import MOST_WAITING, POSE_NUMBERS, Chunk, Observation, Rows, SentChunk, column_of, lengthened, limit_of, padded, poses_of, rows_of
 from ._chunk_program import channel_key
 from ._chunk_report import ChunkReport
 from ._clock import ServerClock
@@ -28,6 +29,9 @@ _KEPT = 256
 #: Number of late observations that follow each other without a pause.
 _MADE_UP = 3
 
+#: Rows that are left free when a chunk is appended: the time until the last row is known with the delay of the feedback.
+_SPARE = 10
+
 #: Longest time by which the news of an end come after the answer to a request that was too late for it, s.
 _NEWS = 2.0
 
@@ -43,13 +47,19 @@ class ChunkStream:
 
     ``goal`` is a loaded command: that of :meth:`Arm.open_chunks`, or one that you have made from :meth:`Arm.chunk_program`. It has the inputs
     ``number``, ``count``, ``observed`` and ``positions`` (or ``poses``), which are set between the same two cycles, and the exports of this program. ``frames``
-    is a table that gets a row for each observation.
+    is a table that gets a row for each observation. ``period`` is the time between two rows (s): with it, :meth:`run` sends a chunk that is appended when
+    the arm has room for it.
 
     As a context manager it starts the command, and at the end of the block it stops the arm on its path and unloads the command.
     ``ValueError`` if the command lacks an input or export."""
 
-    def __init__(self, goal: Goal, frames: FrameTable | None = None) -> None:
+    def __init__(self, goal: Goal, frames: FrameTable | None = None, period: float | None = None) -> None:
         self.goal = goal
+        self._period = period
+        #: Estimated time of the last row of all chunks that were sent to be appended, by the clock of the command, s.
+        self._last_row = 0.0
+        #: Number of rejected chunks when the last one was sent.
+        self._rejected_before = 0
         self.clock = ServerClock()
         self.report = ChunkReport()
         self._has_poses = "poses" in goal.inputs
@@ -136,6 +146,7 @@ class ChunkStream:
         self._number += 1
         number = self._number
         self._keep(SentChunk(number, time.monotonic(), start, rows, columns))
+        self._rejected_before = self.goal.latest.values["rejected_count"]
         try:
             await self.goal.set(number=number, observed=observed, **values)
         except (TypeError, ValueError):
@@ -203,7 +214,35 @@ class ChunkStream:
 
     async def _deliver(self, mailbox: Mailbox) -> None:
         async for chunk in mailbox.chunks():
+            count = len(self._rows_of(chunk))
+            if chunk.append and self._number > 0:
+                await self._room(count)
+            self._last_row = self.goal.latest.values["clock"] + self._left() + count * (self._period or 0.0)
             await self.send(chunk)
+
+    def _left(self) -> float:
+        """Returns the time until the last row of all chunks, s. The feedback does not have the chunk that the arm has just accepted."""
+        values = self.goal.latest.values
+        return float(max(values["remaining"], self._last_row - values["clock"], 0.0))
+
+    async def _room(self, count: int) -> None:
+        """Waits until the arm has room for ``count`` further rows, or the command has ended. :class:`RpiError` if the arm has rejected the chunk
+        before: the next one would be appended to another place."""
+        room = math.inf if self._period is None else (MOST_WAITING - _SPARE - count) * self._period
+
+        def is_decided() -> bool:
+            values = self.goal.latest.values
+            return values["accepted"] == self._number or values["rejected_count"] > self._rejected_before
+
+        def has_room() -> bool:
+            return self._has_ended() or (is_decided() and self._left() <= room)
+
+        async with self._news:
+            await self._news.wait_for(has_room)
+        values = self.goal.latest.values
+        if not self._has_ended() and values["accepted"] != self._number:
+            text = f"chunk {self._number} is rejected with code {values['rejected']}, so no chunk can be appended to it"
+            raise RpiError(RpiError.UNKNOWN, text, [])
 
     async def _rest(self) -> None:
         """Waits until the arm rests at the last row of the last chunk, or the command has ended."""

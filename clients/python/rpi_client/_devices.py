@@ -101,6 +101,7 @@ class Arm(Device):
         and give its command to a :class:`ChunkStream`. ``ValueError`` for options that are out of range and for unknown devices."""
         devices = await self._session.devices()
         types = {name: device.program_type() for name, device in devices.items() if device.has_program_type()}
+        types.update({name: ("io", "") for name, device in devices.items() if device.kind == "io"})
         return chunk_program(self.name, self.joint_count, types, options)
 
     async def open_chunks(
@@ -114,7 +115,7 @@ class Arm(Device):
         ``feedback_period`` is the time between two observations (s). ``frames`` gets a row for each of them."""
         text = await self.chunk_program(options)
         goal = await self._session.load(text, command="FollowPolicy", feedback_period=feedback_period)
-        return ChunkStream(goal, frames)
+        return ChunkStream(goal, frames, options.period)
 
     async def chunks(
         self,
@@ -135,7 +136,8 @@ class Arm(Device):
         iterator of chunks. It gets the newest observation, at most once in ``every`` seconds.
 
         ``backlog`` is what becomes of a chunk that waits because the server has not answered the one before: with ``"latest"`` a
-        newer one replaces it, with ``"queue"`` up to ``depth`` chunks wait in order, and then the policy waits. Otherwise as
+        newer one replaces it, with ``"queue"`` up to ``depth`` chunks wait in order, and then the policy waits. A chunk that is appended waits, too, until the arm has room for
+        it: 400 rows. If the arm rejects one of them, the next one raises :class:`RpiError`. Otherwise as
         :meth:`open_chunks`."""
         async with await self.open_chunks(options, feedback_period=feedback_period, frames=frames) as stream:
             return await stream.run(policy, every=every, backlog=backlog, depth=depth)

@@ -212,6 +212,11 @@ class Goal:
         return dict(self._exports.types)
 
     @property
+    def units(self) -> dict[str, str]:
+        """The units of the inputs and exports that have one, such as ``"m/s"``, by key. Their values are in these units."""
+        return {**self._inputs.units, **self._exports.units}
+
+    @property
     def latest(self) -> Feedback:
         """The latest feedback."""
         return self._latest

@@ -14,11 +14,12 @@ _Tree = Union[str, "list[_Tree]", "dict[str, _Tree]"]
 
 
 class Ports:
-    """The ports of a command in one direction: ``types`` has the type of each by its key."""
+    """The ports of a command in one direction: ``types`` has the type of each by its key, ``units`` the units of those that have one."""
 
     def __init__(self, described: list[dict[str, str]], enums: Mapping[str, type[Enum]]) -> None:
         entries = ((port["key"], port["type"]) for port in described)
         self.types = {key: FlowType.parse(text, _enum_of(key, enums)) for key, text in entries}
+        self.units = {port["key"]: port["unit"] for port in described if port.get("unit")}
         self._tree = _tree_of(list(self.types))
 
     def decode(self, texts: Mapping[str, str]) -> dict[str, Value]:

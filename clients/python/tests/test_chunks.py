@@ -67,6 +67,17 @@ class Wave:
             yield Chunk(rows, observed=observation.time)
 
 
+#: A program that shows the outputs of the box.
+OUTPUTS = """command Outputs ()
+let
+  first_output = IO::OutBoolSensor<<DeviceID: "box", Port: 0>>();
+  second_output = IO::OutBoolSensor<<DeviceID: "box", Port: 1>>();
+  export first_output, second_output;
+  finish done when cancel;
+tel
+"""
+
+
 class Circle:
     """A policy in Cartesian space that moves the tool along a circle until an observation is `seconds` old."""
 
@@ -196,6 +207,33 @@ class ChunkTest(ArmTest):
 
         await self.with_arm(work)
 
+    async def test_appended_chunks_wait_for_the_room_that_the_arm_has(self) -> None:
+        count, rows = 12, 50
+
+        async def work(_: Session, arm: Arm) -> None:
+            home: list[float] = []
+
+            async def policy(observations: AsyncIterator[Observation]) -> AsyncIterator[Chunk]:
+                async for observation in observations:
+                    home.extend(observation.commanded)
+                    break
+                for k in range(count):
+                    times = [0.01 * row for row in range(rows * k, rows * k + rows)]
+                    # More rows than the arm keeps, sent at once: a chunk that is lost would shift all behind it.
+                    yield Chunk([[home[0] + 0.02 * t**2 / (1.0 + t), *home[1:]] for t in times], append=k > 0)
+
+            options = ChunkOptions(rows=rows, period=0.01)
+            report = await asyncio.wait_for(arm.chunks(policy, options, backlog="queue"), 20)
+            self.assertEqual((report.sent, report.accepted, report.codes), (count, count, {}), report)
+            t = 0.01 * (rows * count - 1)
+            async with await arm.watch("commanded") as watched:
+                async for feedback in watched.feedback():
+                    if feedback.values:
+                        break
+            self.assertAlmostEqual(watched.latest.values["commanded"][0], home[0] + 0.02 * t**2 / (1.0 + t), delta=1e-3)
+
+        await self.with_arm(work)
+
     async def test_what_a_stream_needs_is_checked_before_it_is_sent(self) -> None:
         async def work(_: Session, arm: Arm) -> None:
             async with await arm.open_chunks(ChunkOptions(rows=10, velocities=True)) as stream:
@@ -291,6 +329,29 @@ class ChunkTest(ArmTest):
                 async for observation in stream.observations():
                     if observation.values["belt_velocity"] == 0.1:
                         break
+
+        await self.with_arm(work)
+
+    async def test_outputs_follow_the_rows(self) -> None:
+        async def work(session: Session, arm: Arm) -> None:
+            with self.assertRaisesRegex(ValueError, r"channels: box.set\[0\] is needed, too: outputs 0 to 1 are driven together"):
+                await arm.open_chunks(ChunkOptions(channels={"box.set[1]": "bool"}))
+            with self.assertRaisesRegex(ValueError, "box has digital and analogue outputs"):
+                await arm.open_chunks(ChunkOptions(channels={"box.set[0]": "bool", "box.set[1]": ""}))
+            channels = {"box.set[1]": "bool", "box.set[0]": "bool"}
+            options = ChunkOptions(rows=40, channels=channels, observe=["box.get[1]"])
+            outputs = await session.load(OUTPUTS)
+            async with await arm.open_chunks(options) as stream, outputs:
+                assert stream.latest is not None
+                self.assertEqual(stream.latest.values["box_get_1"], True)
+                rows = [stream.latest.commanded] * 40
+                with self.assertRaisesRegex(ValueError, "channels: box_set_1 of this stream needs a value"):
+                    await stream.send(Chunk(rows, channels={"box.set[0]": [0.0] * 40}))
+                await stream.send(Chunk(rows, channels={"box.set[1]": [0.0] * 5 + [1.0] * 35, "box.set[0]": [0.0] * 40}))
+                async for feedback in outputs.feedback():
+                    if feedback.values and feedback.values["second_output"]:
+                        break
+                self.assertEqual(outputs.latest.values["first_output"], False)
 
         await self.with_arm(work)
 

@@ -212,4 +212,8 @@ impl<B: DeviceBank> DeviceBank for ExternalBank<B> {
     fn stop(&mut self, resource: u32) {
         self.devices.stop(resource);
     }
+
+    fn make_safe(&mut self, resource: u32) {
+        self.devices.make_safe(resource);
+    }
 }

@@ -15,7 +15,7 @@ pub use c_target::{CompilerArgs, ExecutionTarget, TargetArgs};
 pub use output::{ignore_broken_pipe, is_same_file, print};
 
 /// Version that `--version` prints: that of the tools, and that of the image format that they read and write.
-pub const VERSION: &str = concat!(env!("CARGO_PKG_VERSION"), " (image format 4)");
+pub const VERSION: &str = concat!(env!("CARGO_PKG_VERSION"), " (image format 5)");
 
 /// Result of a subcommand: the exit status of the tool, or an error that is printed for the user.
 pub type CommandResult<E> = Result<E, Box<dyn Error>>;

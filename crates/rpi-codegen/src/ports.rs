@@ -57,8 +57,40 @@ pub struct Field {
     pub len: u32,
     /// Meaning of the field.
     pub meaning: Meaning,
-    /// Description for the comment in the header.
+    /// Unit of the values, such as `m/s`; empty if they have none.
+    pub unit: String,
+    /// Description for the comment in the header, with the type.
     pub text: String,
+}
+
+impl Field {
+    fn new(
+        direction: Direction,
+        name: impl Into<String>,
+        ty: CType,
+        len: u32,
+        meaning: Meaning,
+        text: impl Into<String>,
+    ) -> Field {
+        Field {
+            direction,
+            name: name.into(),
+            ty,
+            len,
+            meaning,
+            unit: String::new(),
+            text: text.into(),
+        }
+    }
+
+    /// Gives the values a unit, which the description has with the type, as in programs: `real[m/s]`.
+    fn with_unit(mut self, unit: &str) -> Field {
+        if !unit.is_empty() {
+            unit.clone_into(&mut self.unit);
+            self.text = format!("{}[{unit}]", self.text);
+        }
+        self
+    }
 }
 
 /// Fields of the input and output structs, in the order of the structs.
@@ -166,33 +198,19 @@ struct Builder<'a> {
 }
 
 impl Builder<'_> {
-    fn add(
-        &mut self,
-        direction: Direction,
-        name: &str,
-        ty: CType,
-        len: u32,
-        meaning: Meaning,
-        text: String,
-    ) {
-        let names = match direction {
+    /// Adds a field under a name that no other field of its struct has.
+    fn add(&mut self, mut field: Field) {
+        let names = match field.direction {
             Direction::Input => &mut self.inputs,
             Direction::Output => &mut self.outputs,
         };
-        let name = names.unique(name);
-        let key = (direction == Direction::Output, meaning);
-        self.interface.names.insert(key, name.clone());
-        self.interface.fields.push(Field {
-            direction,
-            name,
-            ty,
-            len,
-            meaning,
-            text,
-        });
+        field.name = names.unique(&field.name);
+        let key = (field.direction == Direction::Output, field.meaning);
+        self.interface.names.insert(key, field.name.clone());
+        self.interface.fields.push(field);
     }
 
-    fn external(&mut self, name: &str, signal: Signal, text: &str) {
+    fn external(&mut self, name: &str, (signal, unit): (Signal, &str), text: &str) {
         let object = self.slots.object(signal.start);
         let known = self
             .interface
@@ -201,32 +219,43 @@ impl Builder<'_> {
             let (ty, len) = (self.slots.ty(object.start), object.len);
             let text = format!("{text}: {}", signal.ty);
             self.add(
-                Direction::Input,
-                name,
-                ty,
-                len,
-                Meaning::External(object.start),
-                text,
+                Field::new(
+                    Direction::Input,
+                    name,
+                    ty,
+                    len,
+                    Meaning::External(object.start),
+                    text,
+                )
+                .with_unit(unit),
             );
         }
         if signal.present > TRUE {
             let name = format!("{name}_present");
             let meaning = Meaning::ExternalPresence(signal.present);
             if self.interface.name(Direction::Input, meaning).is_none() {
-                let text = "whether there is a value in this cycle".to_owned();
-                self.add(Direction::Input, &name, CType::Bool, 1, meaning, text);
+                let text = "whether there is a value in this cycle";
+                self.add(Field::new(
+                    Direction::Input,
+                    name,
+                    CType::Bool,
+                    1,
+                    meaning,
+                    text,
+                ));
             }
         }
     }
 
     fn inputs(&mut self, image: &Image) {
         for input in &image.inputs {
-            self.external(&input.key, input.value, &format!("input `{}`", input.key));
+            let text = format!("input `{}`", input.key);
+            self.external(&input.key, (input.value, &input.unit), &text);
             if let Some(updated) = input.last_updated {
                 let name = format!("{}_updated", input.key);
                 self.external(
                     &name,
-                    updated,
+                    (updated, ""),
                     "time of the last update, ns since the Unix epoch",
                 );
             }
@@ -236,25 +265,25 @@ impl Builder<'_> {
                 "sensor {}.{}[{}]",
                 sensor.port.device, sensor.port.port, sensor.port.index
             );
-            self.external(&port_text(&sensor.port), sensor.value, &text);
+            self.external(&port_text(&sensor.port), (sensor.value, ""), &text);
         }
         for flow in image.flows.iter().filter(|f| is_set_by_caller(f.kind)) {
             let (name, text) = flow_name(flow.kind);
-            self.external(name, flow.value, text);
+            self.external(name, (flow.value, ""), text);
         }
         self.responses(image);
         if let CommandEnd::Results(results) = &image.end
             && results.iter().any(|r| r.kind == CommandEndKind::Yield)
         {
-            let text = "whether a successor takes over if the command yields".to_owned();
-            self.add(
+            let text = "whether a successor takes over if the command yields";
+            self.add(Field::new(
                 Direction::Input,
                 "has_successor",
                 CType::Bool,
                 1,
                 Meaning::HasSuccessor,
                 text,
-            );
+            ));
         }
     }
 
@@ -270,14 +299,14 @@ impl Builder<'_> {
                 }
                 let (suffix, text) = response_name(*response);
                 let name = format!("{}_{suffix}", port_text(&actuator.port));
-                self.add(
+                self.add(Field::new(
                     Direction::Input,
-                    &name,
+                    name,
                     response_type(*response),
                     1,
                     meaning,
-                    text.to_owned(),
-                );
+                    text,
+                ));
             }
         }
     }
@@ -288,24 +317,27 @@ impl Builder<'_> {
             let text = format!("flow `{}`: {}", export.key, export.value.ty);
             let len = export.value.ty.slots();
             self.add(
-                Direction::Output,
-                &export.key,
-                ty,
-                len,
-                Meaning::Export(k),
-                text,
+                Field::new(
+                    Direction::Output,
+                    &export.key,
+                    ty,
+                    len,
+                    Meaning::Export(k),
+                    text,
+                )
+                .with_unit(&export.unit),
             );
             if export.value.present != TRUE {
                 let name = format!("{}_present", export.key);
-                let text = "whether the flow has a value in this cycle".to_owned();
-                self.add(
+                let text = "whether the flow has a value in this cycle";
+                self.add(Field::new(
                     Direction::Output,
-                    &name,
+                    name,
                     CType::Bool,
                     1,
                     Meaning::ExportPresence(k),
                     text,
-                );
+                ));
             }
         }
         for (k, actuator) in (0..).zip(&image.actuators) {
@@ -320,36 +352,35 @@ impl Builder<'_> {
         match end {
             CommandEnd::Results(results) if results.is_empty() => {}
             CommandEnd::Results(_) => {
-                let text = "number of the result with which the command ends, else 0".to_owned();
-                self.add(
+                let text = "number of the result with which the command ends, else 0";
+                self.add(Field::new(
                     Direction::Output,
                     "result",
                     CType::Int,
                     1,
                     Meaning::Result,
                     text,
-                );
+                ));
             }
             CommandEnd::Ports { .. } => {
-                let text = "whether the command ends".to_owned();
-                self.add(
+                let text = "whether the command ends";
+                self.add(Field::new(
                     Direction::Output,
                     "terminated",
                     CType::Bool,
                     1,
                     Meaning::Terminated,
                     text,
-                );
-                let text =
-                    "error number with which the command ends, 0 if there is none".to_owned();
-                self.add(
+                ));
+                let text = "error number with which the command ends, 0 if there is none";
+                self.add(Field::new(
                     Direction::Output,
                     "error_number",
                     CType::Int,
                     1,
                     Meaning::ErrorNumber,
                     text,
-                );
+                ));
             }
         }
     }
@@ -362,23 +393,23 @@ impl Builder<'_> {
             "set-point for {}.{}[{}]: {}",
             port.device, port.port, port.index, port.ty
         );
-        self.add(
+        self.add(Field::new(
             Direction::Output,
             &name,
             ty,
             len,
             Meaning::SetPoint(actuator),
             text,
-        );
-        let text = "whether there is a set-point in this cycle".to_owned();
+        ));
+        let text = "whether there is a set-point in this cycle";
         let name = format!("{name}_present");
-        self.add(
+        self.add(Field::new(
             Direction::Output,
-            &name,
+            name,
             CType::Bool,
             1,
             Meaning::SetPointPresence(actuator),
             text,
-        );
+        ));
     }
 }

@@ -227,16 +227,22 @@ impl<'a> Decision<'a> {
     }
 
     /// Releases the remaining resources of the command in table slot `place` if it has ended. The device brakes those
-    /// that move.
+    /// that move, and sets those of a command that failed to their safe values. After a regular end, an output keeps its
+    /// value: the next step of the program relies on a valve that the step before has opened.
     fn release_resources(&mut self, place: usize) {
         let (command, tick) = (self.schedule.commands.id(place), self.tick);
         let entry = self.schedule.commands.get_mut(place);
         let Some(entry) = entry.filter(|e| e.ending) else {
             return;
         };
+        let ending = entry.command.ending.as_ref();
+        let has_failed = ending.is_some_and(|ending| !ending.is_regular());
         for hold in entry.command.resource_uses.iter_mut().filter(|h| h.is_held) {
             hold.is_held = false;
             let resource = hold.resource;
+            if has_failed {
+                self.bank.make_safe(resource);
+            }
             if self.bank.is_moving(resource) {
                 self.bank.stop(resource);
                 self.schedule.notices.push(Notice::Braked {

@@ -190,7 +190,8 @@ fn named_fragments(net: &Net, image: &Image) -> Vec<NamedFragment> {
         })
         .collect();
     let ids = (0..).take(net.fragments.len()).map(FragmentId);
-    let named = ids.filter(|id| is_named(net, *id)).map(|id| {
+    let is_shown = |id: &FragmentId| *id == FragmentId::ROOT || net.fragment(*id).is_named();
+    let named = ids.filter(is_shown).map(|id| {
         let names = path(net, id);
         NamedFragment {
             depth: names.len() - 1,
@@ -205,17 +206,9 @@ fn named_fragments(net: &Net, image: &Image) -> Vec<NamedFragment> {
         .collect()
 }
 
-fn is_named(net: &Net, id: FragmentId) -> bool {
-    let fragment = net.fragment(id);
-    fragment.parent.is_none() || (!fragment.is_clock && !fragment.name.is_empty())
-}
-
 /// Returns the names of the command and of the named fragments from the outermost to this one.
 fn path(net: &Net, id: FragmentId) -> Vec<&str> {
-    let around = std::iter::successors(Some(id), |id| net.fragment(*id).parent);
-    let named = around.filter(|id| is_named(net, *id) && net.fragment(*id).parent.is_some());
-    let mut names: Vec<&str> = named.map(|id| net.fragment(id).name.as_str()).collect();
-    names.push(&net.name);
-    names.reverse();
+    let mut names = vec![net.name.as_str()];
+    names.extend(net.fragment_names(id));
     names
 }

@@ -84,6 +84,12 @@ pub trait Device: Send {
         let _ = resource;
     }
 
+    /// Sets a resource to its safe value, if the cell gives it one: the command that drove it has failed, and no other
+    /// one has taken it over. By default, a resource has no safe value.
+    fn make_safe(&mut self, resource: u32) {
+        let _ = resource;
+    }
+
     /// Prepares a resource for a command whose set-points come every `ticks` ticks of the cell.
     fn begin_command(&mut self, resource: u32, ticks: u32) {
         let _ = (resource, ticks);

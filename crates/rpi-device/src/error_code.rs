@@ -65,7 +65,7 @@ impl ErrorCode {
     pub const NOT_POSITIVE: Self = Self(20);
     /// The motion is along a path of the tool, but no inverse kinematics is known for the arm.
     pub const NO_INVERSE: Self = Self(21);
-    /// A set-point belongs to a motion that another motion of the arm has replaced.
+    /// A set-point or an event belongs to a motion that another motion of the arm has replaced, or to no motion of the arm.
     pub const SUPERSEDED: Self = Self(22);
     /// No rounded corner fits at the via pose of a motion: the zone is not positive, the path turns back, or the tool
     /// turns too far beside it.
@@ -260,7 +260,7 @@ pub const ERROR_CODES: &[ErrorCodeInfo] = &[
     line(
         ErrorCode::SUPERSEDED,
         "superseded",
-        "another motion of the arm has begun, or this one was left out for a cycle",
+        "another motion of the arm has begun, this one was left out for a cycle, or the number is not that of a motion of this arm",
     ),
     line(
         ErrorCode::NO_CORNER,

@@ -197,6 +197,12 @@ pub trait DeviceBank {
 
     /// Stops the resource (actuator) with this number: its device brakes within its own limits.
     fn stop(&mut self, resource: u32);
+
+    /// Sets the resource (actuator) with this number to its safe value, if it has one: the command that drove it ended by a
+    /// failure, a fault or from outside, and no other command has taken it over. By default, a resource has no safe value.
+    fn make_safe(&mut self, resource: u32) {
+        let _ = resource;
+    }
 }
 
 /// Device bank of a cell without devices: every port name is unknown.

@@ -296,23 +296,30 @@ tel
 ";
 
 fn program() -> rpi_driver::CompiledNode {
+    compile_text("filter.rpi", PROGRAM, "Filter")
+}
+
+fn compile_text(path: &str, text: &str, node: &str) -> rpi_driver::CompiledNode {
     let input = rpi_driver::Input {
-        path: "filter.rpi".into(),
+        path: path.into(),
         kind: rpi_driver::InputKind::Rpi,
-        bytes: PROGRAM.as_bytes().to_vec(),
+        bytes: text.as_bytes().to_vec(),
     };
-    compile_node(&input, Some("Filter"), ClaimPolicy::Off, false).expect("it compiles")
+    compile_node(&input, Some(node), ClaimPolicy::Off, false).expect("it compiles")
 }
 
 fn emitted() -> rpi_codegen::Emitted {
-    let compiled = program();
+    emit(&program())
+}
+
+fn emit(compiled: &rpi_driver::CompiledNode) -> rpi_codegen::Emitted {
     let options = rpi_driver::emit::COptions {
         period_ns: PERIOD_NS,
         header: None,
         line_directives: false,
         origin: String::new(),
     };
-    let node = compiled.node.expect("it has no errors");
+    let node = compiled.node.as_ref().expect("it has no errors");
     rpi_driver::emit::c(&node.net, &compiled.sources, &options).expect("it lowers")
 }
 
@@ -387,6 +394,31 @@ fn a_fault_has_a_code_and_the_line_of_the_program() {
             "{lines:?}"
         );
         assert!(lines[1].starts_with("1 4 "), "{lines:?}");
+    }
+}
+
+/// Constants, delays and conversions between units have no influence: inputs and outputs are in units of the SI.
+#[test]
+fn the_header_has_the_units_of_inputs_and_outputs() {
+    let text = "type Load = struct { mass: real[kg]; count: int };\n\
+                node Total (way: real[mm]; wait: time; load: Load; n: int) returns (force: real[N]; ratio: real; late: time)\n\
+                let force = load.mass * way / 1[s] / 1[s]; ratio = way / 1[m]; late = wait; tel\n";
+    let emitted = emit(&compile_text("total.rpi", text, "Total"));
+    for field in [
+        "input `way`: real[m] */",
+        "input `wait`: real[s] */",
+        "input `load.mass`: real[kg] */",
+        "input `load.count`: int */",
+        "input `n`: int */",
+        "flow `force`: real[N] */",
+        "flow `ratio`: real */",
+        "flow `late`: real[s] */",
+    ] {
+        assert!(
+            emitted.header.contains(field),
+            "{field}\n{}",
+            emitted.header
+        );
     }
 }
 

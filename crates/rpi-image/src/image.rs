@@ -278,6 +278,8 @@ pub struct DeviceFunction {
 pub struct InputPort {
     /// Name under which the host sets the flow.
     pub key: String,
+    /// Unit of the values, such as `m/s`; empty if they have none.
+    pub unit: String,
     /// Slots to which the core writes the value before each cycle.
     pub value: Signal,
     /// Slots that receive the logical time of the last update by the host; `None` if the program does not use the time.
@@ -289,6 +291,8 @@ pub struct InputPort {
 pub struct Export {
     /// Name under which the host reads the exported flow.
     pub key: String,
+    /// Unit of the values, such as `m/s`; empty if they have none.
+    pub unit: String,
     /// Slots of the value and presence of the flow that the core publishes.
     pub value: Signal,
 }

@@ -19,7 +19,7 @@ use alloc::vec::Vec;
 
 const MAGIC: [u8; 4] = *b"RPIB";
 /// Version of the `.rpib` format. Any change of a table in this file needs a new version.
-pub const VERSION: u16 = 4;
+pub const VERSION: u16 = 5;
 /// Length of the header of a file in bytes: magic number, version and checksum.
 const HEADER_LEN: usize = MAGIC.len() + size_of::<u16>() + size_of::<u64>();
 
@@ -140,9 +140,10 @@ encode_struct!(ExternalPort {
     is_array: bool,
     ty: String
 });
-encode_struct!(InputPort { key: String, value: Signal, last_updated: Option<Signal> });
+encode_struct!(InputPort { key: String, unit: String, value: Signal, last_updated: Option<Signal> });
 encode_struct!(Export {
     key: String,
+    unit: String,
     value: Signal
 });
 encode_struct!(CoreFlow {

@@ -7,7 +7,7 @@ use rpi_diag::Span;
 use rpi_image::{PrimDesc, Type, Value};
 use rpi_prims::PrimId;
 use smallvec::SmallVec;
-use std::collections::BTreeSet;
+use std::collections::{BTreeMap, BTreeSet};
 
 /// Place in a program from which a node or fragment comes, for messages, traces and the debugger.
 #[derive(Clone, PartialEq, Eq, Debug)]
@@ -166,6 +166,8 @@ pub struct ExportPort {
     pub key: String,
     /// Flow that the command publishes under the key.
     pub source: PortRef,
+    /// Unit of the values, such as `m/s`; empty if they have none.
+    pub unit: String,
     /// Place of the export in the program text.
     pub origin: Origin,
 }
@@ -219,6 +221,8 @@ pub struct Net {
     pub command_inputs: Vec<CommandInput>,
     /// Flows that the command publishes, in addition to the inputs of export primitives among the nodes.
     pub exports: Vec<ExportPort>,
+    /// Units of the inputs that the host sets, by their keys. An input that is not listed has none.
+    pub input_units: BTreeMap<String, String>,
     /// Groups of device ports that drive the same actuator.
     pub alternatives: Vec<Alternatives>,
     /// Assertions and contract clauses of the program that the net publishes.
@@ -229,6 +233,14 @@ pub struct Net {
     pub outer_delays: BTreeSet<Span>,
     /// Whether the net is a test. A test that does not end with a `finish` counts as failed.
     pub is_test: bool,
+}
+
+impl Fragment {
+    /// Returns true for a fragment that has a name in the program: not the root, and not one that only groups the operations of a clock.
+    #[must_use]
+    pub fn is_named(&self) -> bool {
+        !self.name.is_empty() && !self.is_clock
+    }
 }
 
 impl Net {
@@ -259,6 +271,7 @@ impl Net {
             },
             command_inputs: Vec::new(),
             exports: Vec::new(),
+            input_units: BTreeMap::new(),
             alternatives: Vec::new(),
             claims: Vec::new(),
             coverage_points: CoveragePoints::default(),
@@ -328,5 +341,16 @@ impl Net {
         parts.reverse();
         parts.push(name);
         parts.join("/")
+    }
+
+    /// Returns the names of the fragments of the program from the root to this one, outermost first. The root, and fragments that only group the
+    /// operations of a clock, have none.
+    #[must_use]
+    pub fn fragment_names(&self, fragment: FragmentId) -> Vec<&str> {
+        let around = self.ancestors(fragment).map(|id| self.fragment(id));
+        let named = around.filter(|fragment| fragment.is_named());
+        let mut names: Vec<&str> = named.map(|fragment| fragment.name.as_str()).collect();
+        names.reverse();
+        names
     }
 }

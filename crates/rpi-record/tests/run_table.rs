@@ -16,11 +16,11 @@ use rpi_record::run_table::{TableFormat, select, write_table};
 /// More rows than are encoded at once.
 const ROWS: usize = 9000;
 
-fn column(name: &str, kind: ColumnKind, unit: &'static str, rows: usize) -> Column {
+fn column(name: &str, kind: ColumnKind, unit: &str, rows: usize) -> Column {
     Column {
         name: name.to_owned(),
         kind,
-        unit,
+        unit: unit.to_owned(),
         values: (0..rows).map(|k| k as f64 * 0.5).collect(),
         integers: match kind {
             // Beyond 2^53, where a float is not exact.

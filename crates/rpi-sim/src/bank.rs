@@ -50,6 +50,12 @@ pub(crate) trait CellDevice: Device {
     /// Ends the work of the device at the end of a run: it reports the events that a program still waits for.
     fn finish(&mut self) {}
 
+    /// Sets all outputs that have a safe value to it, at the end of a run. Returns true if an output has changed to its safe
+    /// value since the last step.
+    fn make_all_safe(&mut self) -> bool {
+        false
+    }
+
     /// True for a real device, which needs real time and must be opened before use.
     fn has_driver(&self) -> bool {
         false
@@ -256,6 +262,13 @@ impl SimBank {
         }
     }
 
+    /// Sets the outputs of all devices to their safe values, because no command will drive them any more. Returns true if an
+    /// output has changed since the last [`step`](Self::step), so that one more shows it.
+    pub fn make_all_safe(&mut self) -> bool {
+        let parts = self.devices.iter_mut().flatten();
+        parts.fold(false, |changed, part| part.device.make_all_safe() | changed)
+    }
+
     /// Ends the work of all devices at the end of a run, before their last [`reports`](Self::reports).
     pub fn finish(&mut self) {
         let parts = self.devices.iter_mut().flatten();
@@ -398,6 +411,12 @@ impl DeviceBank for SimBank {
     fn stop(&mut self, resource: u32) {
         if let Some((device, own)) = self.owner_mut(resource) {
             device.stop(own);
+        }
+    }
+
+    fn make_safe(&mut self, resource: u32) {
+        if let Some((device, own)) = self.owner_mut(resource) {
+            device.make_safe(own);
         }
     }
 }

@@ -12,6 +12,8 @@ use rpi_image::Scalar;
 #[derive(Clone, Debug)]
 pub(crate) struct IoDevice {
     banks: [TerminalBank; 2],
+    /// True if an output has changed to its safe value since the last step.
+    has_made_safe: bool,
 }
 
 /// Inputs and outputs of one type in a terminal block, one memory slot each.
@@ -20,6 +22,8 @@ struct TerminalBank {
     initial_inputs: Vec<u64>,
     inputs: Vec<u64>,
     outputs: Vec<u64>,
+    /// Safe value of each output; `None` for an output that keeps its value.
+    safe: Vec<Option<u64>>,
     script: Vec<InputChange<u64>>,
     repeat: f64,
 }
@@ -106,6 +110,7 @@ impl IoDevice {
                 TerminalBank::new(&spec.digital, u64::from),
                 TerminalBank::new(&spec.analogue, f64::to_bits),
             ],
+            has_made_safe: false,
         };
         io.banks.iter_mut().for_each(|bank| bank.step(0.0));
         io
@@ -129,6 +134,7 @@ impl TerminalBank {
             initial_inputs: cells(&signal.inputs),
             inputs: cells(&signal.inputs),
             outputs: cells(&signal.outputs),
+            safe: signal.safe.iter().map(|value| value.map(bits)).collect(),
             script: signal.script.iter().map(change).collect(),
             repeat: signal.repeat,
         }
@@ -170,7 +176,16 @@ impl IoDevice {
     }
 }
 
-impl CellDevice for IoDevice {}
+impl CellDevice for IoDevice {
+    fn make_all_safe(&mut self) -> bool {
+        let changed = self
+            .banks
+            .iter_mut()
+            .map(|bank| bank.make_safe(0..bank.outputs.len()));
+        self.has_made_safe |= changed.fold(false, |any, changed| any | changed);
+        self.has_made_safe
+    }
+}
 
 impl Device for IoDevice {
     fn resolve(&self, name: &PortQuery<'_>) -> Result<PortIndex, ResolveError> {
@@ -237,12 +252,36 @@ impl Device for IoDevice {
         }
     }
 
+    fn make_safe(&mut self, resource: u32) {
+        let number = resource as usize;
+        let [digital, analogue] = &mut self.banks;
+        let (bank, output) = match number.checked_sub(digital.outputs.len()) {
+            Some(output) => (analogue, output),
+            None => (digital, number),
+        };
+        self.has_made_safe |= bank.make_safe(output..output + 1);
+    }
+
     fn step(&mut self, time: f64) {
+        self.has_made_safe = false;
         self.banks.iter_mut().for_each(|bank| bank.step(time));
     }
 }
 
 impl TerminalBank {
+    /// Sets the outputs of this range that have a safe value to it. Returns true if one of them changes.
+    fn make_safe(&mut self, range: Range<usize>) -> bool {
+        let outputs = self.outputs.iter_mut().zip(&self.safe);
+        let outputs = outputs.skip(range.start).take(range.len());
+        let mut changed = false;
+        for (output, safe) in outputs {
+            let value = safe.unwrap_or(*output);
+            changed |= value != *output;
+            *output = value;
+        }
+        changed
+    }
+
     fn values(&self, output: bool) -> &[u64] {
         if output { &self.outputs } else { &self.inputs }
     }

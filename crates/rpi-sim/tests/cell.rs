@@ -269,6 +269,14 @@ const BROKEN: &[(&str, &str)] = &[
         "[devices.a]\nkind = \"digital-io\"\ninputs = 1\nrepeat = 1\nscript = [{ at = 1, input = 0, value = true }]",
         "4:10: `repeat` is 1 s, expected more than 1 s",
     ),
+    (
+        "[devices.a]\nkind = \"digital-io\"\noutputs = 1\nsafe = [{ output = 1, value = true }]",
+        "4:20: `output` is 1, out of range",
+    ),
+    (
+        "[devices.a]\nkind = \"digital-io\"\noutputs = 1\nsafe = [{ output = 0, value = true }, { output = 0, value = false }]",
+        "4:50: this output has a safe value already",
+    ),
 ];
 
 #[test]

@@ -80,13 +80,20 @@ fn the_outcome_has_the_statistics_of_the_task() {
     assert_eq!(elements(&outcome["devices"][1]["axes"]).len(), 0);
 }
 
-/// Runs a job and returns its recorded rows of this flow: cycle and value.
-fn recorded(job: &str, flow: &str) -> Vec<(u64, String)> {
+/// Runs a job with these options, which exits with this status. Returns its recorded rows of this flow: cycle and value.
+fn recorded(job: &str, options: &[&str], status: i32, flow: &str) -> Vec<(u64, String)> {
     let folder = tempfile::tempdir().unwrap();
     let record = folder.path().join("run.csv");
     let files = [program(job), record.clone()].map(|file| file.to_str().unwrap().to_owned());
-    let output = rpi(&["run", &files[0], "--record", &files[1]]);
-    assert!(output.status.success(), "{}", output_text(&output));
+    let mut arguments = vec!["run", &files[0], "--record", &files[1]];
+    arguments.extend(options);
+    let output = rpi(&arguments);
+    assert_eq!(
+        output.status.code(),
+        Some(status),
+        "{}",
+        output_text(&output)
+    );
     let rows = std::fs::read_to_string(record).unwrap();
     let mut rows: Vec<(u64, String)> = rows
         .lines()
@@ -112,7 +119,7 @@ fn coordinate(pose: &str, axis: &str) -> f64 {
 /// its delay, to 2 mm before the end.
 #[test]
 fn the_weave_goes_across_the_seam_and_the_torch_burns_along_it() {
-    let torch = recorded("welding", "torch.out.bool");
+    let torch = recorded("welding", &[], 0, "torch.out.bool");
     let changes: Vec<u64> = torch
         .windows(2)
         .filter(|pair| pair[0].1 != pair[1].1)
@@ -121,7 +128,7 @@ fn the_weave_goes_across_the_seam_and_the_torch_burns_along_it() {
     let &[on, off] = &changes[..] else {
         panic!("the torch changes at {changes:?}");
     };
-    let tool = recorded("welding", "arm.tcp.commanded_position");
+    let tool = recorded("welding", &[], 0, "arm.tcp.commanded_position");
     let burning = tool.iter().filter(|(cycle, _)| (on..=off).contains(cycle));
     let places: Vec<[f64; 2]> = burning
         .map(|(_, pose)| ["x", "y"].map(|axis| coordinate(pose, axis)))
@@ -139,4 +146,37 @@ fn the_weave_goes_across_the_seam_and_the_torch_burns_along_it() {
         (last - 0.002).abs() < 2e-5,
         "off at {last} m before the end"
     );
+}
+
+/// The torch burns before each of these endings: no arc, a failure of the arm, a fault, the end of the run by `--time`.
+#[test]
+fn the_torch_is_off_after_every_ending() {
+    let folder = tempfile::tempdir().unwrap();
+    let with_cell = |name: &str, from: &str, to: &str| {
+        let text = std::fs::read_to_string(program("welding").with_file_name("cell.toml")).unwrap();
+        assert!(text.contains(from), "{text}");
+        let file = folder.path().join(name);
+        std::fs::write(&file, text.replace(from, to)).unwrap();
+        file.to_str().unwrap().to_owned()
+    };
+    let dark = "inputs = [true]\nscript = [{ at = \"5 s\", input = 0, value = false }]";
+    let dark = with_cell("dark.toml", "inputs = [true]", dark);
+    let broken = "faults = [{ at = 5, for = 1, trouble = \"joint-failure\", axis = 3 }]\njoints =";
+    let broken = with_cell("broken.toml", "joints =", broken);
+    // The arm refuses the weave once the torch burns.
+    let slow = with_cell("slow.toml", "joints =", "limits = { jerk = 12 }\njoints =");
+    let endings: [(&[&str], i32); 4] = [
+        (&["--cell", &dark], 1),
+        (&["--cell", &broken], 1),
+        (&["--cell", &slow], 3),
+        (&["--time", "10s"], 0),
+    ];
+    for (options, status) in endings {
+        let torch = recorded("welding", options, status, "torch.out.bool");
+        assert!(
+            torch.iter().any(|(_, value)| value == "true"),
+            "{options:?}"
+        );
+        assert_eq!(torch.last().unwrap().1, "false", "{options:?}");
+    }
 }

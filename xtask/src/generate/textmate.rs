@@ -1,15 +1,21 @@
 //! Generator of the TextMate grammar for editors, from the keyword table of the compiler.
 //!
-//! The grammar only highlights; it does not parse. Contextual keywords are highlighted where the lexer may accept them:
-//! not after `.` and not before `=`, `:`, `,` or `)`.
+//! The grammar only highlights; it does not parse. Contextual keywords are highlighted where the lexer may accept them,
+//! not after `.` and not before `=`, `:`, `,` or `)`, and not where only a name can be: before an operator or the end of an
+//! equation.
 
 use rpi_syntax::ops::{BINARY, UNARY};
-use rpi_syntax::{KEYWORDS, KeywordContext};
+use rpi_syntax::{KEYWORDS, Keyword, KeywordContext};
 use serde_json::{Value, json};
 
 const NAME: &str = "[A-Za-z_][A-Za-z0-9_']*";
 const TYPES: &[&str] = &["bool", "int", "real"];
 const CONSTANTS: &[&str] = &["true", "false"];
+/// Contextual keywords after which another keyword or the end of a statement may come: `on any then end;`.
+const LAST: &[&str] = &["any", "end"];
+/// What follows a name and no keyword: an operator with two operands, `;` or `]`. A minus without a space belongs to the operand
+/// after it.
+const AFTER_NAME: &str = r"[;\]+*^|>]|-[>\s]|<[^<]|(?:and|or|xor|mod|div|then|else|fby|nor)\b";
 /// Predeclared flows, values and operators of the language, which the grammar highlights.
 const PREDECLARED: &[&str] = &[
     "cancel",
@@ -117,16 +123,24 @@ fn words() -> Value {
     let (operators, control): (Vec<&str>, Vec<&str>) = reserved
         .filter(|text| !special.contains(text))
         .partition(|text| is_operator(text));
-    let contextual = alternatives(by_place.iter().map(|w| w.text));
+    // Types may end a declaration.
+    let (at_ends, inside): (Vec<&Keyword>, Vec<&Keyword>) = by_place
+        .into_iter()
+        .partition(|w| LAST.contains(&w.text) || w.context == KeywordContext::Conversion);
+    let contextual = |words: Vec<&Keyword>, not_before: &str| {
+        let words = alternatives(words.iter().map(|w| w.text));
+        match_rule(
+            "keyword.control.contextual",
+            &format!(r"(?<![.\w'])(?:{words})(?![\w'])(?!\s*(?:{not_before}))"),
+        )
+    };
     json!([
         words_rule("storage.type", TYPES),
         words_rule("constant.language", CONSTANTS),
         words_rule("keyword.operator.word", &operators),
         words_rule("keyword.control", &control),
-        match_rule(
-            "keyword.control.contextual",
-            &format!(r"(?<![.\w'])(?:{contextual})(?![\w'])(?!\s*[=:,)])")
-        ),
+        contextual(at_ends, "[=:,)]"),
+        contextual(inside, &format!("[=:,)]|{AFTER_NAME}")),
         words_rule("variable.language", PREDECLARED),
     ])
 }

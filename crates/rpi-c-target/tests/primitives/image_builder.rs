@@ -191,6 +191,7 @@ impl ImageBuilder {
         let inputs = self.inputs.into_iter();
         let input = |(key, ty, at, present)| InputPort {
             key,
+            unit: String::new(),
             value: signal(constants, ty, at, present),
             last_updated: None,
         };
@@ -198,6 +199,7 @@ impl ImageBuilder {
         let exports = self.exports.into_iter();
         let export = |(key, ty, at, present)| Export {
             key,
+            unit: String::new(),
             value: signal(state, ty, at, present),
         };
         image.exports = exports.map(export).collect();

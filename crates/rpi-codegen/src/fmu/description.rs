@@ -4,6 +4,7 @@ use crate::c_type::CType;
 use crate::identifiers::Names;
 use crate::ports::{Direction, Field, Interface, Meaning};
 use rpi_image::image::Image;
+use std::collections::BTreeSet;
 
 /// Returns the text of `modelDescription.xml`.
 pub(super) fn model(image: &Image, name: &str, interface: &Interface, token: &str) -> String {
@@ -26,11 +27,12 @@ pub(super) fn model(image: &Image, name: &str, interface: &Interface, token: &st
         rows.map(|reference| format!("    <{element} valueReference=\"{reference}\"/>\n"))
             .collect()
     };
+    let units = units(interface);
     format!(
         "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n\
          <fmiModelDescription fmiVersion=\"3.0\" modelName=\"{name}\" instantiationToken=\"{token}\" description=\"{description}\" generationTool=\"rpic\">\n\
          \x20 <CoSimulation modelIdentifier=\"{name}\" canHandleVariableCommunicationStepSize=\"true\" fixedInternalStepSize=\"{period:?}\" canGetAndSetFMUState=\"true\" canSerializeFMUState=\"true\"/>\n\
-         \x20 <LogCategories>\n    <Category name=\"error\" description=\"faults of cycles and wrong calls\"/>\n  </LogCategories>\n\
+         {units}\x20 <LogCategories>\n    <Category name=\"error\" description=\"faults of cycles and wrong calls\"/>\n  </LogCategories>\n\
          \x20 <DefaultExperiment startTime=\"0.0\" stepSize=\"{period:?}\"/>\n\
          \x20 <ModelVariables>\n    <Float64 name=\"time\" valueReference=\"0\" causality=\"independent\" variability=\"continuous\" description=\"time in s\"/>\n{variables}  </ModelVariables>\n\
          \x20 <ModelStructure>\n{}{}  </ModelStructure>\n\
@@ -38,6 +40,20 @@ pub(super) fn model(image: &Image, name: &str, interface: &Interface, token: &st
         rows("Output"),
         rows("InitialUnknown"),
     )
+}
+
+/// Returns the list of the units of all variables; empty if there are none.
+fn units(interface: &Interface) -> String {
+    let units = interface.fields.iter().map(|field| field.unit.as_str());
+    let units: BTreeSet<&str> = units.filter(|unit| !unit.is_empty()).collect();
+    if units.is_empty() {
+        return String::new();
+    }
+    let rows = units.iter();
+    let rows: String = rows
+        .map(|unit| format!("    <Unit name=\"{}\"/>\n", escaped(unit)))
+        .collect();
+    format!("  <UnitDefinitions>\n{rows}  </UnitDefinitions>\n")
 }
 
 /// Returns the text of `sources/buildDescription.xml`.
@@ -61,8 +77,12 @@ fn variable(image: &Image, reference: u32, field: &Field, name: &str) -> String 
         Direction::Input => ("input", format!(" start=\"{}\"", start(image, field))),
         Direction::Output => ("output", String::new()),
     };
+    let unit = match field.unit.as_str() {
+        "" => String::new(),
+        unit => format!(" unit=\"{}\"", escaped(unit)),
+    };
     let head = format!(
-        "    <{element} name=\"{}\" valueReference=\"{reference}\" causality=\"{causality}\" variability=\"discrete\" description=\"{}\"{start}",
+        "    <{element} name=\"{}\" valueReference=\"{reference}\" causality=\"{causality}\" variability=\"discrete\" description=\"{}\"{unit}{start}",
         escaped(name),
         escaped(&field.text),
     );

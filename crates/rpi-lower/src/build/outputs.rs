@@ -11,8 +11,11 @@ pub(super) fn exports_and_results(builder: &mut Builder<'_>) {
     for export in &net.exports {
         let input = Input::Port(export.source);
         let value = at_root(builder, &input);
-        let key = export.key.clone();
-        builder.flat.tables.exports.push(Export { key, value });
+        builder.flat.tables.exports.push(Export {
+            key: export.key.clone(),
+            unit: export.unit.clone(),
+            value,
+        });
     }
     builder.flat.tables.end = match &net.termination {
         Termination::Results(results) => {

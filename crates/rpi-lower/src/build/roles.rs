@@ -105,8 +105,10 @@ impl Builder<'_> {
         let mut signals = signals.into_iter();
         if let Some(value) = signals.next() {
             let (key, updated) = (port_names::key(self.net.node(id)), signals.next());
+            let unit = self.net.input_units.get(&key).cloned().unwrap_or_default();
             self.flat.tables.inputs.push(image::InputPort {
                 key,
+                unit,
                 value,
                 last_updated: updated,
             });
@@ -128,7 +130,11 @@ impl Builder<'_> {
         let link = self.link(id, 0);
         let value = link.flow.to_signal(link.ty);
         let key = port_names::key(self.net.node(id));
-        self.flat.tables.exports.push(image::Export { key, value });
+        self.flat.tables.exports.push(image::Export {
+            key,
+            unit: String::new(),
+            value,
+        });
     }
 
     /// Adds registers for an out-port whose value the core sets between cycles, and returns them. If the flow may be

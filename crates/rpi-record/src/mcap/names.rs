@@ -20,6 +20,8 @@ pub(super) struct FlowName {
     pub(super) name: String,
     /// Type of the values of the port or flow.
     pub(super) ty: Type,
+    /// Unit of the values of a flow, such as `m/s`; empty if they have none, and for ports.
+    pub(super) unit: String,
 }
 
 impl FlowName {
@@ -84,13 +86,20 @@ impl NameTable {
             self.add_port(port, kind);
         }
         let flows = sampled_flows(image).into_iter();
-        let flows = flows.map(|(name, signal, _)| FlowName {
-            owner: image.name.clone(),
-            name: name
-                .strip_prefix(&format!("{}.", image.name))
-                .unwrap_or(&name)
-                .to_owned(),
-            ty: signal.ty,
+        let units: BTreeMap<&str, &str> = image
+            .exports
+            .iter()
+            .map(|export| (export.key.as_str(), export.unit.as_str()))
+            .collect();
+        let prefix = format!("{}.", image.name);
+        let flows = flows.map(|(name, signal, _)| {
+            let name = name.strip_prefix(&prefix).unwrap_or(&name).to_owned();
+            FlowName {
+                owner: image.name.clone(),
+                unit: units.get(name.as_str()).copied().unwrap_or("").to_owned(),
+                name,
+                ty: signal.ty,
+            }
         });
         let known = (Arc::clone(image), flows.collect());
         self.images.insert(self.next_image, known);
@@ -118,6 +127,7 @@ impl NameTable {
                 owner: port.device.clone(),
                 name,
                 ty: port.ty,
+                unit: String::new(),
             };
             self.ports.insert(number, named);
         }

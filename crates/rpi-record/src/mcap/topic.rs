@@ -121,6 +121,7 @@ mod tests {
             owner: "arm".to_owned(),
             name: name.to_owned(),
             ty,
+            unit: String::new(),
         }
     }
 

@@ -239,5 +239,6 @@ fn port_name(channel: &Channel) -> FlowName {
         owner: of.to_owned(),
         name: name.to_owned(),
         ty: channel.ty,
+        unit: String::new(),
     }
 }

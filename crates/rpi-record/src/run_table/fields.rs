@@ -17,7 +17,7 @@ use crate::mcap::ColumnKind;
 pub(super) struct TableField {
     name: String,
     kind: ColumnKind,
-    unit: &'static str,
+    unit: String,
     /// Name of the topic from which the values come.
     topic: String,
     /// Indices of its columns in the selection.
@@ -43,7 +43,7 @@ pub(super) fn fields(columns: &[TableColumn<'_>]) -> Vec<TableField> {
                 .map_or(column.name.as_str(), |(list, _)| list)
                 .to_owned(),
             kind: column.column.kind,
-            unit: column.column.unit,
+            unit: column.column.unit.clone(),
             topic: column.topic.name.clone(),
             columns: index..index + 1,
             is_list: list.is_some(),
@@ -64,7 +64,7 @@ impl TableField {
         self.is_list
             && self.name == list
             && self.columns.len() == number
-            && (self.kind, self.unit) == (column.column.kind, column.column.unit)
+            && (self.kind, &self.unit) == (column.column.kind, &column.column.unit)
             && self.topic == column.topic.name
     }
 
@@ -96,7 +96,7 @@ impl TableField {
         let metadata = metadata.map(|(key, value)| (key.to_owned(), value.clone()));
         let mut metadata = HashMap::from(metadata);
         if !self.unit.is_empty() {
-            metadata.insert("unit".to_owned(), self.unit.to_owned());
+            metadata.insert("unit".to_owned(), self.unit.clone());
         }
         // Readers take a dot in the name of a list as the way into a structure: `pyarrow` does not find such a column.
         let name = self.name.replace('.', "/");

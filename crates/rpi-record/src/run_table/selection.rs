@@ -74,7 +74,7 @@ fn unique<'r>(columns: impl Iterator<Item = TableColumn<'r>>) -> Vec<TableColumn
 fn has_same_values(one: &TableColumn<'_>, other: &TableColumn<'_>) -> bool {
     let (a, b) = (one.column, other.column);
     one.topic.ticks == other.topic.ticks
-        && (a.kind, a.unit, &a.absent, &a.integers) == (b.kind, b.unit, &b.absent, &b.integers)
+        && (a.kind, &a.unit, &a.absent, &a.integers) == (b.kind, &b.unit, &b.absent, &b.integers)
         && a.values
             .iter()
             .map(|v| v.to_bits())

@@ -11,7 +11,7 @@ mod history;
 use std::collections::{BTreeSet, VecDeque};
 
 use rpi_diag::Span;
-use rpi_net::{FragmentId, Net, PortRef, strip_unnamed_calls};
+use rpi_net::{Net, PortRef, strip_unnamed_calls};
 
 use causes::{Causes, causes};
 pub use history::History;
@@ -180,8 +180,9 @@ impl Slice<'_> {
             .next()
             .is_some_and(|name| name.contains('#'));
         (!is_part).then(|| {
-            let path = fragment_path(self.net, node.fragment);
-            format!("{path}{}", strip_unnamed_calls(flow))
+            let flow = strip_unnamed_calls(flow);
+            let names = self.net.fragment_names(node.fragment).into_iter();
+            names.chain([flow.as_str()]).collect::<Vec<_>>().join(".")
         })
     }
 
@@ -221,18 +222,6 @@ impl Slice<'_> {
         self.answer.steps.push(step);
         self.answer.steps.len() - 1
     }
-}
-
-/// Returns the names of the fragments from the root of the net to this one, with a dot after each.
-fn fragment_path(net: &Net, fragment: FragmentId) -> String {
-    let around = std::iter::successors(Some(fragment), |id| net.fragment(*id).parent);
-    let named = around.map(|id| net.fragment(id));
-    let named = named.filter(|fragment| !fragment.name.is_empty() && !fragment.is_clock);
-    let mut names: Vec<String> = named
-        .map(|fragment| format!("{}.", fragment.name))
-        .collect();
-    names.reverse();
-    names.concat()
 }
 
 fn value_text(net: &Net, history: &History, port: PortRef, cycle: u64) -> String {

@@ -159,6 +159,9 @@ impl CycleLoop {
         if self.settling.is_none() && (over || self.halted.is_some()) {
             let ticks = (SETTLE_SECONDS * 1e9 / self.bounds.tick_ns as f64) as u64;
             self.settling = Some(now + ticks);
+            if self.bank().make_all_safe() {
+                return true;
+            }
         }
         self.settling
             .is_none_or(|until| now < until && self.is_moving())

@@ -143,6 +143,7 @@ mod tests {
         Image {
             inputs: vec![InputPort {
                 key: "speed".into(),
+                unit: String::new(),
                 value,
                 last_updated: None,
             }],

@@ -234,7 +234,8 @@ pub enum ProblemPlace {
     None,
     /// The value is a position along a path of the tool, the limit is the length of the path, both in m.
     OnPath,
-    /// The value is the place of an event, the limit the length of the path, both in m (rad for a motion of the axes).
+    /// The value is the place of an event from the start of the path, NaN if the path has no such point; the limit is the
+    /// length of the path, both in m (rad for a motion of the axes).
     OffPath,
     /// The value is the place of an event, the limit the place that the motion has reached, both in m (rad for a motion of
     /// the axes).

@@ -220,7 +220,13 @@ impl fmt::Display for DeviceProblem {
         let (value, limit) = (self.value, self.limit);
         match self.place {
             ProblemPlace::OnPath => write!(f, ": {value:.4} m along a path of {limit:.4} m"),
-            ProblemPlace::OffPath => write!(f, ": {value:.4} on a path of length {limit:.4}"),
+            ProblemPlace::OffPath if value.is_nan() => {
+                write!(
+                    f,
+                    ": the path of length {limit:.6} has no such point or zone"
+                )
+            }
+            ProblemPlace::OffPath => write!(f, ": {value:.6} on a path of length {limit:.6}"),
             ProblemPlace::Ahead => write!(f, ": at {value:.4}, the motion came to {limit:.4}"),
             ProblemPlace::None if limit != 0.0 => {
                 write!(f, ": {value:.4} where {limit:.4} is the limit")

@@ -126,6 +126,11 @@ impl<P: Plant> DeviceBank for LoggingBank<P> {
         self.plant.stop(resource);
         self.log(EntryKind::Stop, resource, false, &[]);
     }
+
+    // No entry of the log: the end of the command, which a replay repeats, is the only cause.
+    fn make_safe(&mut self, resource: u32) {
+        self.plant.make_safe(resource);
+    }
 }
 
 impl<P: Plant> Plant for LoggingBank<P> {

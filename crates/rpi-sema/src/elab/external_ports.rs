@@ -68,6 +68,9 @@ pub(super) fn unit_inputs<'u>(elab: &mut Elaborator<'u>, scope: &mut Scope<'u>) 
                 Position::ROOT,
                 declared.span,
             ));
+            if let Some(unit) = unit_of(&ty) {
+                elab.net.input_units.insert(key.clone(), unit);
+            }
             let ty = seen;
             if declared.role == FlowRole::TakenOver {
                 elab.net.command_inputs.push(CommandInput {
@@ -204,6 +207,17 @@ fn external_input_at(
     wire.first().cloned().unwrap_or(Signal::Absent)
 }
 
+/// Returns the unit of the values of a leaf outside of the program; `None` if they have none. A duration is a number of seconds there.
+fn unit_of(ty: &Ty) -> Option<String> {
+    match ty {
+        Ty::Real(dimension) if !dimension.is_dimensionless() && !dimension.has_free() => {
+            Some(dimension.to_string())
+        }
+        Ty::Duration => Some("s".to_owned()),
+        _ => None,
+    }
+}
+
 /// Exports the outputs of a node that runs on its own. Returns one entry for each leaf (scalar part).
 pub(super) fn unit_outputs<'u>(elab: &mut Elaborator<'u>, scope: &mut Scope<'u>) -> Vec<PortShape> {
     let unit = scope.unit;
@@ -253,6 +267,7 @@ pub(super) fn export_port(
     Some(ExportPort {
         key: key.to_owned(),
         source,
+        unit: unit_of(ty).unwrap_or_default(),
         origin: Origin {
             span,
             flow: Some(key.to_owned()),

@@ -39,6 +39,7 @@ mod flows;
 pub(crate) mod fragment_inputs;
 pub(crate) mod fragment_outputs;
 pub(crate) mod guards;
+mod identities;
 pub(crate) mod index_map;
 pub(crate) mod node_budget;
 mod nodes;

@@ -3,6 +3,7 @@
 use crate::elab::arrays::default_port_type;
 use crate::elab::elementwise;
 use crate::elab::expr;
+use crate::elab::identities;
 use crate::elab::nodes;
 use crate::elab::presence;
 use crate::elab::sampled_flows;
@@ -50,6 +51,9 @@ pub(super) fn prim_call<'u>(
     let mut inputs = PrimInputs::new();
     for (port, input) in call.prim.desc().inputs.iter().zip(&call.inputs) {
         inputs.push(input.map(|input| primitive_argument(elab, scope, [id, input], port.ty, at)));
+    }
+    if let Some(operand) = identities::equal_operand(call.prim, &inputs) {
+        return operand;
     }
     let Some(params) = primitive_params(elab, scope, call, at, span) else {
         return empty_wire();

@@ -10,7 +10,6 @@ use crate::elab::{block, fragment_outputs, outside_flows};
 use crate::hash::FastSet;
 use crate::ty::Ty;
 use crate::typed::{BlockId, FlowId};
-use rpi_net::FragmentId;
 
 /// Maximum number of scalar parts that are watched in a command. More are left out.
 pub const MAX_WATCHED: usize = 10_000;
@@ -67,7 +66,9 @@ pub(super) fn export_watched<'u>(elab: &mut Elaborator<'u>, scope: &mut Scope<'u
         return;
     }
     let at = at.unguarded();
-    let prefix = format!("{}{}", fragment_path(elab, at.fragment), scope.prefix);
+    let around = elab.net.fragment_names(at.fragment).into_iter();
+    let around: String = around.map(|name| format!("{name}.")).collect();
+    let prefix = format!("{around}{}", scope.prefix);
     for id in (0..).map(FlowId).take(scope.unit.flows.len()) {
         let declared = scope.unit.flow(id);
         // A generated flow has no name that a user could write.
@@ -130,20 +131,4 @@ pub(super) fn drop_repeated(elab: &mut Elaborator<'_>) {
     let mut kept = std::mem::take(&mut elab.kept_exports);
     kept.retain(|port| !known.contains(port.key.as_str()));
     elab.kept_exports = kept;
-}
-
-/// Returns the names of the fragments from the root of the net to this one, with a dot after each.
-fn fragment_path(elab: &Elaborator<'_>, fragment: FragmentId) -> String {
-    let mut names = Vec::new();
-    let mut next = Some(fragment);
-    while let Some(id) = next {
-        let fragment = elab.net.fragment(id);
-        // The fragments of clocks are not in the program.
-        if !fragment.name.is_empty() && !fragment.is_clock {
-            names.push(format!("{}.", fragment.name));
-        }
-        next = fragment.parent;
-    }
-    names.reverse();
-    names.concat()
 }

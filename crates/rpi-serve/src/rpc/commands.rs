@@ -107,10 +107,12 @@ fn description(record: &CommandRecord) -> Value {
         });
     }
     if let Some(image) = &record.image {
-        let port = |key: &str, ty: rpi_image::Type| json!({"key": key, "type": ty.to_string()});
-        let inputs = image.inputs.iter().map(|i| port(&i.key, i.value.ty));
+        let port = |key: &str, ty: rpi_image::Type, unit: &str| json!({"key": key, "type": ty.to_string(), "unit": unit});
+        let inputs = image.inputs.iter();
+        let inputs = inputs.map(|i| port(&i.key, i.value.ty, &i.unit));
         answer["inputs"] = inputs.collect();
-        let exports = image.exports.iter().map(|e| port(&e.key, e.value.ty));
+        let exports = image.exports.iter();
+        let exports = exports.map(|e| port(&e.key, e.value.ty, &e.unit));
         answer["exports"] = exports.collect();
         answer["results"] = json!(crate::state::results(image));
     }

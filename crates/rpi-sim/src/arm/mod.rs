@@ -96,6 +96,7 @@ impl Arm {
                 &spec.limits,
                 spec.tool_limits,
                 tick,
+                device,
             )),
             enforced: spec.enforced,
             tick,

@@ -56,6 +56,9 @@ pub(super) const SHORTEST_WAY: f64 = 1e-7;
 /// reached this end: plans that come still nearer may all be rejected.
 const NEAR_GOAL: f64 = 1e-3;
 
+/// Difference of the numbers of two successive motions: the number of arms of a cell whose motions have different numbers.
+const NUMBER_STEP: i64 = 256;
+
 /// Number of periods after its computation up to which a set-point counts as the present one of the arm.
 const PRESENT_PERIODS: f64 = 2.5;
 
@@ -69,7 +72,10 @@ pub(super) struct Motion {
     jog: Option<Jog>,
     arm: rpi_motion::Arm,
     tools: Tools,
-    /// Number by which a command refers to the present motion, from 1; 0 before the first motion.
+    /// Index of the arm in the cell, modulo [`NUMBER_STEP`].
+    device: i64,
+    /// Number by which a command refers to the present motion, above 0; 0 before the first motion. Its remainder by
+    /// [`NUMBER_STEP`] is `device`, so that a motion of another arm has another number.
     number: i64,
     /// Simulated time at which the last set-point was computed, s.
     computed: f64,
@@ -111,6 +117,7 @@ impl Motion {
         limits: &[AxisLimits],
         tool_limits: Bounds,
         tick: f64,
+        device: usize,
     ) -> Self {
         let arm = rpi_motion::Arm::new(model, tool, limits);
         Self {
@@ -119,6 +126,7 @@ impl Motion {
             jog: None,
             arm,
             tools: Tools::new(tool),
+            device: device as i64 % NUMBER_STEP,
             number: 0,
             computed: f64::NEG_INFINITY,
             tool_limits,
@@ -231,7 +239,10 @@ impl Motion {
         followed: bool,
         time: f64,
     ) -> Result<(), PathFault> {
-        self.number += 1;
+        self.number += match self.number {
+            0 => NUMBER_STEP + self.device,
+            _ => NUMBER_STEP,
+        };
         let jog = self.jog.take();
         self.error = ErrorCode::OK;
         self.at_end = false;

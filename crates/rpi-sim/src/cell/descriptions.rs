@@ -156,6 +156,12 @@ pub(super) const DESCRIPTIONS: &[(&str, &str)] = &[
         "outputs",
         "Number of outputs, or a list of their initial values. Default: none",
     ),
+    (
+        "safe",
+        "Safe values of outputs, when the command that drove them has failed or the run ends. Default: outputs keep their values",
+    ),
+    ("safe.output", "Index of the output, from 0"),
+    ("safe.value", "Safe value of the output"),
     ("script", "Changes of the inputs. Default: none"),
     ("script.at", "Time of the change"),
     ("script.input", "Index of the input, from 0"),

@@ -20,6 +20,8 @@ pub struct TerminalSpec<T> {
     pub inputs: Vec<T>,
     /// Initial values of the outputs, by index.
     pub outputs: Vec<T>,
+    /// Safe value of each output, by index; `None` for an output that keeps its value.
+    pub safe: Vec<Option<T>>,
     /// Scripted changes of the inputs, in order of time.
     pub script: Vec<InputChange<T>>,
     /// Period of the script, in s; infinity if it does not repeat.
@@ -106,6 +108,7 @@ impl<T> TerminalSpec<T> {
         Self {
             inputs: Vec::new(),
             outputs: Vec::new(),
+            safe: Vec::new(),
             script: Vec::new(),
             repeat: f64::INFINITY,
         }
@@ -114,7 +117,8 @@ impl<T> TerminalSpec<T> {
 
 fn read_signal<T: InputValue>(reader: &mut TableReader<'_>) -> TerminalSpec<T> {
     let inputs: Vec<T> = read_ports(reader, "inputs");
-    let outputs = read_ports(reader, "outputs");
+    let outputs: Vec<T> = read_ports(reader, "outputs");
+    let safe = read_safe_values(reader, outputs.len());
     let changes = reader.tables("script").into_iter();
     let mut script: Vec<InputChange<T>> = changes
         .filter_map(|change| read_change(change, inputs.len()))
@@ -130,9 +134,33 @@ fn read_signal<T: InputValue>(reader: &mut TableReader<'_>) -> TerminalSpec<T> {
     TerminalSpec {
         inputs,
         outputs,
+        safe,
         script,
         repeat,
     }
+}
+
+/// Reads the key `safe`, a list of tables with an output and its value. Returns the safe value of each of `outputs` outputs.
+fn read_safe_values<T: InputValue>(reader: &mut TableReader<'_>, outputs: usize) -> Vec<Option<T>> {
+    let mut safe = vec![None; outputs];
+    for mut table in reader.tables("safe") {
+        let output = table.index("output", outputs as u64);
+        let value = T::one(&mut table, "value");
+        table.require("output", "expected the index of an output, from 0");
+        table.require("value", &format!("expected {}", T::EXPECTED));
+        let slot = output.and_then(|output| safe.get_mut(usize::try_from(output).ok()?));
+        if slot.as_ref().is_some_and(|slot| slot.is_some()) {
+            let help = "give each output one safe value".to_owned();
+            table.error_at(
+                "output",
+                "this output has a safe value already".to_owned(),
+                Some(help),
+            );
+        }
+        slot.into_iter().for_each(|slot| *slot = value);
+        table.finish();
+    }
+    safe
 }
 
 /// Reads the inputs or outputs at `key`: a number of terminals, all initially 0, or a list of their initial values.

@@ -19,8 +19,8 @@ model = \"kuka-iiwa-7\"
 
 [devices.io]
 kind = \"io\"
-digital = { inputs = [true, false], outputs = 3, repeat = 1, script = [{ at = 0.25, input = 1, value = true }] }
-analogue = { inputs = [1.5], outputs = [2.5] }
+digital = { inputs = [true, false], outputs = 3, safe = [{ output = 1, value = true }], repeat = 1, script = [{ at = 0.25, input = 1, value = true }] }
+analogue = { inputs = [1.5], outputs = [2.5], safe = [{ output = 0, value = -1 }] }
 ";
 
 pub(crate) const REAL: Type = Type::Scalar(Scalar::Real);

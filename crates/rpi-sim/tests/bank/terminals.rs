@@ -69,3 +69,40 @@ fn all_terminals_can_be_read_and_set_at_once() {
     );
     assert_eq!(too_many, Err(ResolveError::WrongType));
 }
+
+#[test]
+fn an_output_takes_its_safe_value_and_the_others_keep_theirs() {
+    let mut bank = bank();
+    let digital: Vec<PortId> = (0..3)
+        .map(|index| actuator(&mut bank, "io", "out.bool", index, BOOL))
+        .collect();
+    let analogue = actuator(&mut bank, "io", "out.real", 0, REAL);
+    let shown: Vec<PortId> = (0..3)
+        .map(|index| sensor(&mut bank, "io", "out.bool", index, BOOL))
+        .collect();
+    let shown_analogue = sensor(&mut bank, "io", "out.real", 0, REAL);
+    let outputs = |bank: &mut rpi_sim::SimBank| {
+        let values: Vec<f64> = shown
+            .iter()
+            .flat_map(|port| reals(bank, *port, 1))
+            .collect();
+        (bits(&values), reals(bank, shown_analogue, 1)[0])
+    };
+    bank.write(digital[0], &[1]);
+    bank.make_safe(bank.resource(digital[0]));
+    assert_eq!(
+        outputs(&mut bank),
+        (vec![1, 0, 0], 2.5),
+        "without a safe value"
+    );
+    bank.make_safe(bank.resource(digital[1]));
+    assert_eq!(outputs(&mut bank), (vec![1, 1, 0], 2.5));
+    bank.make_safe(bank.resource(analogue));
+    assert_eq!(outputs(&mut bank), (vec![1, 1, 0], -1.0));
+    bank.step();
+    bank.write(digital[1], &[0]);
+    assert!(bank.make_all_safe(), "an output changes");
+    assert_eq!(outputs(&mut bank), (vec![1, 1, 0], -1.0));
+    bank.step();
+    assert!(!bank.make_all_safe(), "nothing changes any more");
+}

@@ -184,13 +184,13 @@ fn way_of(rig: &mut Rig, number: u64) -> f64 {
     limit.expect("the place is reported").limit
 }
 
-/// Runs a line of 0.2 m and returns, for each place, the cycles in which it has been passed.
+/// Runs a line of 0.2 m and returns, for each place, the cycle in which it has been passed, and the cycle of the last set-point,
+/// after which the motion is done.
 fn passed_cycles(rig: &mut Rig, places: &[Place]) -> (Vec<usize>, usize) {
     let to = rig.moved([0.0, 0.2, 0.0]);
     let order = rig.order("move_line", to, [0.25, 0.5, 5.0]);
     let (mut number, mut cycles) = (0, 0);
     let mut first = vec![usize::MAX; places.len()];
-    let mut last_moved = 0;
     loop {
         let motion = rig.call(&order, number, 1.0, false);
         number = motion.number;
@@ -201,10 +201,7 @@ fn passed_cycles(rig: &mut Rig, places: &[Place]) -> (Vec<usize>, usize) {
             }
         }
         if motion.done {
-            return (first, last_moved);
-        }
-        if motion.travelled < 0.2 - 1e-9 {
-            last_moved = cycles + 1;
+            return (first, cycles - 1);
         }
         rig.follow(&motion);
         cycles += 1;
@@ -251,8 +248,59 @@ fn a_place_off_the_path_is_an_error_that_is_reported_once() {
         rig.event(motion.number, place, false);
         assert_eq!(rig.reports().len(), 1);
     }
-    let other = rig.event(motion.number + 1, Place::at(0.1), true);
-    assert_eq!(other.error, ErrorCode::SUPERSEDED);
+}
+
+#[test]
+fn an_event_of_no_motion_of_the_arm_is_reported_and_one_of_an_earlier_motion_is_not() {
+    let mut rig = Rig::new();
+    let to = rig.moved([0.0, 0.2, 0.0]);
+    let order = rig.order("move_line", to, [0.25, 0.5, 5.0]);
+    let earlier = rig.call(&order, 0, 1.0, false);
+    let present = rig.call(&order, 0, 1.0, false);
+    // The motion number of another arm, one that no motion has had yet, and none.
+    let foreign = [earlier.number + 1, present.number + 256, 0];
+    for (number, reports) in foreign
+        .map(|number| (number, 1))
+        .into_iter()
+        .chain([(earlier.number, 0)])
+    {
+        let answer = rig.event(number, Place::at(0.1), true);
+        assert_eq!(
+            (answer.error, answer.passed),
+            (ErrorCode::SUPERSEDED, false)
+        );
+        let reported = rig.reports();
+        assert_eq!(reported.len(), reports, "{number}: {reported:?}");
+        assert!(
+            reported
+                .iter()
+                .all(|report| report.code == ErrorCode::SUPERSEDED)
+        );
+    }
+}
+
+#[test]
+fn a_place_off_the_path_is_reported_from_the_start_of_the_path() {
+    let mut rig = Rig::new();
+    let to = rig.moved([0.0, 0.2, 0.0]);
+    let order = rig.order("move_line", to, [0.25, 0.5, 5.0]);
+    let motion = rig.call(&order, 0, 1.0, false);
+    let beyond_end = Place {
+        origin: 1,
+        ..Place::at(0.03)
+    };
+    let no_point = Place {
+        origin: 2,
+        point: 7,
+        ..Place::at(0.02)
+    };
+    let mut value = |place| {
+        rig.event(motion.number, place, true);
+        rig.reports()[0].value
+    };
+    assert!((value(beyond_end) - 0.23).abs() < 1e-9);
+    assert!((value(Place::at(-0.01)) + 0.01).abs() < 1e-12);
+    assert!(value(no_point).is_nan(), "a line has no points");
 }
 
 #[test]

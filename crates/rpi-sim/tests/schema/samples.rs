@@ -10,6 +10,7 @@ robot_files = [{ path = "other.toml", text = "name = 'other'" }]
 kind = "digital-io"
 inputs = [true, false]
 outputs = 8
+safe = [{ output = 0, value = false }, { output = 7, value = true }]
 repeat = "2 s"
 script = [{ at = 1, input = 1, value = true }, { at = 0.5, input = 0, value = false }]
 
@@ -22,6 +23,7 @@ outputs = [false]
 kind = "analogue-io"
 inputs = 2
 outputs = [0.5]
+safe = [{ output = 0, value = 0 }]
 repeat = 2
 script = [{ at = 1, input = 1, value = 0.5 }]
 
@@ -32,8 +34,8 @@ outputs = 3
 
 [devices.box]
 kind = "io"
-digital = { inputs = 1, outputs = 1, repeat = 2, script = [{ at = "1 ms", input = 0, value = true }] }
-analogue = { inputs = [1.5], outputs = [2], repeat = 1, script = [{ at = "10 ms", input = 0, value = -1 }] }
+digital = { inputs = 1, outputs = 1, safe = [{ output = 0, value = true }], repeat = 2, script = [{ at = "1 ms", input = 0, value = true }] }
+analogue = { inputs = [1.5], outputs = [2], safe = [{ output = 0, value = "-1.5" }], repeat = 1, script = [{ at = "10 ms", input = 0, value = -1 }] }
 
 [devices.box2]
 kind = "io"

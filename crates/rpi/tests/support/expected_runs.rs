@@ -1,8 +1,8 @@
 //! Runs of programs with their cells, and the ends of commands and errors of devices that are expected of them, as JSON.
 //!
 //! An expected run has `status` (exit status), `ends` (results of the commands, in order) and `errors` (errors of the devices),
-//! and optionally `command` (name of the task), `time` (length of the run) and `cell` (pairs of texts: the second one replaces
-//! the first one in the cell description).
+//! and optionally `command` (name of the task), `time` (length of the run), and `cell` and `program` (pairs of texts: the second one
+//! replaces the first one in the cell description or the program).
 
 use std::path::Path;
 use std::process::Command;
@@ -13,17 +13,19 @@ use serde_json::Value;
 fn run(program: &Path, expected: &Value) -> (i32, Value) {
     let folder = tempfile::tempdir().unwrap();
     let cell = folder.path().join("cell.toml");
-    let mut text = std::fs::read_to_string(program.with_file_name("cell.toml")).unwrap();
-    for change in elements(&expected["cell"]) {
-        let [from, to] = [0, 1].map(|k| change[k].as_str().expect("a pair of texts"));
-        assert!(
-            text.contains(from),
-            "{}: no {from} in its cell",
-            program.display()
-        );
-        text = text.replace(from, to);
-    }
-    std::fs::write(&cell, text).unwrap();
+    write_changed(
+        &program.with_file_name("cell.toml"),
+        &expected["cell"],
+        &cell,
+    );
+    let changed = folder.path().join("changed.rpi");
+    let program = match &expected["program"] {
+        Value::Null => program,
+        changes => {
+            write_changed(program, changes, &changed);
+            &changed
+        }
+    };
     let option = |key: &str| {
         let value = expected[key].as_str().map(str::to_owned);
         value.map_or(Vec::new(), |value| vec![format!("--{key}"), value])
@@ -42,6 +44,17 @@ fn run(program: &Path, expected: &Value) -> (i32, Value) {
     let outcome = serde_json::from_slice(&output.stdout)
         .unwrap_or_else(|error| panic!("{}: {error}: {message}", program.display()));
     (output.status.code().unwrap(), outcome)
+}
+
+/// Writes the text of the file `from` to the file `to` with changes: each pair of texts replaces the first one by the second.
+fn write_changed(from: &Path, changes: &Value, to: &Path) {
+    let mut text = std::fs::read_to_string(from).unwrap();
+    for change in elements(changes) {
+        let [old, new] = [0, 1].map(|k| change[k].as_str().expect("a pair of texts"));
+        assert!(text.contains(old), "{}: no {old} in it", from.display());
+        text = text.replace(old, new);
+    }
+    std::fs::write(to, text).unwrap();
 }
 
 fn strings<'a>(values: impl IntoIterator<Item = &'a Value>) -> Vec<&'a str> {

@@ -1,4 +1,4 @@
-"""Validates a unit, simulates it, and prints the bits of an output in each cycle.
+"""Validates a unit, simulates it, and prints the physical units of its variables, then the bits of an output in each cycle.
 
 Arguments: unit, and optionally the name of a real output and the number of cycles, with the inputs of a drive.
 """
@@ -24,6 +24,7 @@ if len(sys.argv) == 2:
     sys.exit()
 
 description = fmpy.read_model_description(unit)
+print(" ".join(f"{v.name}: {v.unit}" for v in description.modelVariables if v.unit))
 reference = {v.name: v.valueReference for v in description.modelVariables}
 fmu = FMU3Slave(
     guid=description.guid,

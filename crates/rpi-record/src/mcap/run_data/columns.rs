@@ -35,7 +35,7 @@ pub struct Column {
     /// Kind of the values.
     pub kind: ColumnKind,
     /// Unit of the values, such as `rad`; empty if it is 1 or unknown.
-    pub unit: &'static str,
+    pub unit: String,
     /// Value in each row; NaN in rows without a value.
     pub values: Vec<f64>,
     /// Exact value in each row of a column of integers, 0 in rows without a value; empty for other kinds.
@@ -151,10 +151,10 @@ impl Column {
 
 /// Returns empty columns for the numbers of a flow or port, one per memory word.
 fn columns_of(cell: &Cell, field: &FlowName) -> Vec<Column> {
-    let column = |suffix: &str, kind, unit| Column {
+    let column = |suffix: &str, kind, unit: &str| Column {
         name: format!("{}{suffix}", field.name),
         kind,
-        unit,
+        unit: unit.to_owned(),
         values: Vec::new(),
         integers: Vec::new(),
         absent: Vec::new(),
@@ -169,6 +169,7 @@ fn columns_of(cell: &Cell, field: &FlowName) -> Vec<Column> {
         if parts.is_empty() {
             let unit = match scalar {
                 Scalar::Time => "ns",
+                Scalar::Real if !field.unit.is_empty() => &field.unit,
                 Scalar::Real => joint_unit(cell, field),
                 _ => "",
             };
@@ -258,20 +259,28 @@ mod tests {
     #[test]
     fn every_memory_word_has_a_column_with_its_unit() {
         let cell = cell();
-        let names = |field: &FlowName| -> Vec<(String, &str)> {
+        let names = |field: &FlowName| -> Vec<(String, String)> {
             let columns = columns_of(&cell, field).into_iter();
             columns.map(|c| (c.name, c.unit)).collect()
         };
         let pose = names(&field("tcp", Type::Scalar(Scalar::Pose)));
         assert_eq!(pose.len(), 7);
-        assert_eq!(pose[2], ("tcp.position.z".to_owned(), "m"));
-        assert_eq!(pose[6], ("tcp.orientation.w".to_owned(), ""));
+        assert_eq!(pose[2], ("tcp.position.z".to_owned(), "m".to_owned()));
+        assert_eq!(pose[6], ("tcp.orientation.w".to_owned(), String::new()));
         let list = names(&field("a", Type::Array(Scalar::Vector, 2)));
-        assert_eq!(list[5], ("a[1].z".to_owned(), ""));
+        assert_eq!(list[5], ("a[1].z".to_owned(), String::new()));
         let real = Type::Scalar(Scalar::Real);
         let joint = names(&field("joint.commanded_position[6]", real));
-        assert_eq!(joint, [("joint.commanded_position[6]".to_owned(), "rad")]);
+        assert_eq!(joint, [("joint.commanded_position[6]".to_owned(), "rad".to_owned())]);
         assert_eq!(names(&field("speed", real))[0].1, "");
+        let with_unit = FlowName {
+            unit: "m/s".to_owned(),
+            ..field("speed", Type::Array(Scalar::Real, 2))
+        };
+        assert_eq!(
+            names(&with_unit)[1],
+            ("speed[1]".to_owned(), "m/s".to_owned())
+        );
     }
 
     #[test]

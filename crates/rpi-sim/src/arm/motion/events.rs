@@ -6,7 +6,7 @@
 
 use super::super::Arm;
 use super::super::limits::Violation;
-use super::{Motion, PRESENT_PERIODS};
+use super::{Motion, NUMBER_STEP, PRESENT_PERIODS};
 use crate::device::{SlotWriter, real_at};
 use crate::error_code::ErrorCode;
 use rpi_motion::path::Landmark;
@@ -18,9 +18,12 @@ pub(in crate::arm) const EVENT_SLOTS: u32 = 3;
 /// Maximum number of pending events of a motion whose miss can be reported.
 const CAPACITY: usize = 32;
 
-/// Distance (m, or rad) by which a place may lie beyond an end of the path because of rounding; at the end of the path, the
-/// position along it has this error, too.
+/// Distance (m, or rad) by which a place may lie beyond an end of the path because of rounding.
 const ROUNDING: f64 = 1e-9;
+
+/// Distance (m, or rad) from the end of the path at which the motion is there. In the last cycles the set-points come nearer by
+/// less than [`ROUNDING`]: an event at the end belongs to the last one.
+const END_ROUNDING: f64 = 1e-12;
 
 /// Progress of the present motion in its last period, and the events that a program waits for.
 #[derive(Clone, Copy, Debug)]
@@ -49,7 +52,7 @@ impl PathEvents {
     /// pending must be named again in this cycle.
     pub(super) fn advance(&mut self, way: f64, progress: f64) {
         let place = match way - progress * way {
-            left if left < ROUNDING => way,
+            left if left < END_ROUNDING => way,
             _ => progress * way,
         };
         self.before = self.now;
@@ -104,17 +107,35 @@ impl EventRequest {
 }
 
 impl Motion {
-    /// Returns the place of an event, from the start of the path; `None` if it is not on the path.
-    fn event_place(&self, request: &EventRequest) -> Option<f64> {
-        let origin = match (request.landmark?, self.axes.is_present()) {
-            (Landmark::Start, _) => 0.0,
-            (Landmark::End, _) => self.way,
-            (_, true) => return None,
-            (landmark, false) => self.core.path().landmark(landmark)? / self.parameter_per_way(),
-        };
+    /// Returns true if the present motion or an earlier one of this arm has this number.
+    fn has_numbered(&self, number: i64) -> bool {
+        (1..=self.number).contains(&number) && number % NUMBER_STEP == self.device
+    }
+
+    /// Returns the distance (m, or rad) of the origin of an event from the start of the path; `None` if the path has no such
+    /// place.
+    fn event_origin(&self, request: &EventRequest) -> Option<f64> {
+        match (request.landmark?, self.axes.is_present()) {
+            (Landmark::Start, _) => Some(0.0),
+            (Landmark::End, _) => Some(self.way),
+            (_, true) => None,
+            (landmark, false) => {
+                Some(self.core.path().landmark(landmark)? / self.parameter_per_way())
+            }
+        }
+    }
+
+    /// Returns the place of an event, from the start of the path.
+    ///
+    /// # Errors
+    /// The place that was requested if it is not on the path; NaN if the path does not have its origin.
+    fn event_place(&self, request: &EventRequest) -> Result<f64, f64> {
+        let origin = self.event_origin(request).unwrap_or(f64::NAN);
         let place = origin + request.offset + request.share * self.way;
-        let is_on_path = place >= -ROUNDING && place <= self.way + ROUNDING;
-        is_on_path.then(|| place.clamp(0.0, self.way))
+        match place >= -ROUNDING && place <= self.way + ROUNDING {
+            true => Ok(place.clamp(0.0, self.way)),
+            false => Err(place),
+        }
     }
 
     /// Returns the ratio of the path parameter to the distance travelled; 1 for a path without length.
@@ -166,15 +187,21 @@ fn path_event(arm: &mut Arm, request: &EventRequest) -> (bool, f64, ErrorCode) {
     let motion = &mut arm.motion;
     // The motion must have computed its set-point in this cycle.
     if request.motion != motion.number || motion.computed != arm.time {
+        // An earlier motion of this arm has reported its events when it ended.
+        if request.is_pending && !motion.has_numbered(request.motion) {
+            arm.report(None, Violation::from_code(ErrorCode::SUPERSEDED));
+        }
         return (false, f64::NEG_INFINITY, ErrorCode::SUPERSEDED);
     }
-    let Some(place) = motion.event_place(request) else {
-        let (value, limit) = (request.offset + request.share * motion.way, motion.way);
-        let code = ErrorCode::NO_SUCH_PLACE;
-        if request.is_pending {
-            arm.report(None, Violation { code, value, limit });
+    let place = match motion.event_place(request) {
+        Ok(place) => place,
+        Err(value) => {
+            let (code, limit) = (ErrorCode::NO_SUCH_PLACE, motion.way);
+            if request.is_pending {
+                arm.report(None, Violation { code, value, limit });
+            }
+            return (false, f64::NEG_INFINITY, code);
         }
-        return (false, f64::NEG_INFINITY, code);
     };
     if request.is_pending {
         motion.events.await_at(place);
