@@ -101,10 +101,12 @@ fn write_file(
 /// an empty field. Reals have as many digits as are needed to read the same number.
 fn write_csv(run: &RunData, columns: &[TableColumn<'_>], to: impl Write) -> io::Result<()> {
     let mut table = csv::Writer::from_writer(to);
-    let names = columns.iter().map(|column| match column.column.unit.as_str() {
-        "" => column.name.clone(),
-        unit => format!("{} [{unit}]", column.name),
-    });
+    let names = columns
+        .iter()
+        .map(|column| match column.column.unit.as_str() {
+            "" => column.name.clone(),
+            unit => format!("{} [{unit}]", column.name),
+        });
     let names = ["tick".to_owned(), "time [s]".to_owned()]
         .into_iter()
         .chain(names);

@@ -248,6 +248,7 @@ mod tests {
             owner: "arm".to_owned(),
             name: name.to_owned(),
             ty,
+            unit: String::new(),
         }
     }
 
@@ -271,7 +272,10 @@ mod tests {
         assert_eq!(list[5], ("a[1].z".to_owned(), String::new()));
         let real = Type::Scalar(Scalar::Real);
         let joint = names(&field("joint.commanded_position[6]", real));
-        assert_eq!(joint, [("joint.commanded_position[6]".to_owned(), "rad".to_owned())]);
+        assert_eq!(
+            joint,
+            [("joint.commanded_position[6]".to_owned(), "rad".to_owned())]
+        );
         assert_eq!(names(&field("speed", real))[0].1, "");
         let with_unit = FlowName {
             unit: "m/s".to_owned(),
