@@ -219,17 +219,22 @@ impl Diagnostic {
     /// Replaces the file identifiers in all locations: `files[old]` is the new identifier of file number `old`.
     #[must_use]
     pub fn renumbered(mut self, files: &[FileId]) -> Diagnostic {
-        let renumber = |span: &mut Span| {
-            if let Some(file) = files.get(span.file.0 as usize) {
-                span.file = *file;
-            }
-        };
-        self.labels
-            .iter_mut()
-            .for_each(|label| renumber(&mut label.span));
-        let edits = self.fixes.iter_mut().flat_map(|fix| &mut fix.edits);
-        edits.for_each(|edit| renumber(&mut edit.span));
+        self.change_spans(|span| match files.get(span.file.0 as usize) {
+            Some(file) => Span {
+                file: *file,
+                ..span
+            },
+            None => span,
+        });
         self
+    }
+
+    /// Replaces the locations of all labels and edits by the results of `change`.
+    pub fn change_spans(&mut self, change: impl Fn(Span) -> Span) {
+        let labels = self.labels.iter_mut().map(|label| &mut label.span);
+        let edits = self.fixes.iter_mut().flat_map(|fix| &mut fix.edits);
+        let spans = labels.chain(edits.map(|edit| &mut edit.span));
+        spans.for_each(|span| *span = change(*span));
     }
 
     fn label(mut self, span: Span, text: impl Into<String>, primary: bool) -> Diagnostic {

@@ -41,5 +41,5 @@ pub use format::{Format, FormatError, render_as};
 pub use quote::{Quote, fill_quotes};
 pub use render::render;
 pub use rpi_words::{suggest, times, with_noun};
-pub use span::{FileId, LineCol, SourceMap, Span};
+pub use span::{FileId, LineCol, SourceMap, SourcePart, Span};
 pub use style::Style;

@@ -82,6 +82,20 @@ impl fmt::Display for LineCol {
 #[derive(Clone, Debug, Default)]
 pub struct SourceMap {
     files: Vec<SourceFile>,
+    /// Parts into which files are divided, in ascending order of their identifiers.
+    parts: Vec<SourcePart>,
+}
+
+/// Part of a source text that has an identifier of its own. A location in a part is relative to the start of the part,
+/// so that it stays the same when the text of another part changes.
+#[derive(Clone, Copy, Debug)]
+pub struct SourcePart {
+    /// Identifier of the part, by which locations refer to it.
+    pub id: FileId,
+    /// File that contains the part.
+    pub file: FileId,
+    /// Offset of the first byte of the part in the file.
+    pub start: u32,
 }
 
 #[derive(Clone, Debug)]
@@ -110,6 +124,39 @@ impl SourceMap {
         FileId(u32::try_from(self.files.len() - 1).unwrap_or(u32::MAX))
     }
 
+    /// Replaces the parts into which files are divided. `parts` are in ascending order of their identifiers, which is also
+    /// the order of their files and starts. The identifiers differ from those of all files.
+    pub fn set_parts(&mut self, parts: Vec<SourcePart>) {
+        self.parts = parts;
+    }
+
+    /// Converts a location in a part of a file to the location in the whole file. Other locations are returned unchanged.
+    #[must_use]
+    pub fn in_whole_file(&self, span: Span) -> Span {
+        match self.part(span.file) {
+            Some(part) => Span::new(part.file, span.start + part.start, span.end + part.start),
+            None => span,
+        }
+    }
+
+    /// Converts a location in a whole file to the location in the part that contains its start. The location is returned
+    /// unchanged if the file has no parts.
+    #[must_use]
+    pub fn in_part(&self, span: Span) -> Span {
+        let not_after = |part: &SourcePart| (part.file, part.start) <= (span.file, span.start);
+        let next = self.parts.partition_point(not_after);
+        let part = next.checked_sub(1).map(|at| self.parts[at]);
+        match part.filter(|part| part.file == span.file) {
+            Some(part) => Span::new(part.id, span.start - part.start, span.end - part.start),
+            None => span,
+        }
+    }
+
+    fn part(&self, id: FileId) -> Option<&SourcePart> {
+        let found = self.parts.binary_search_by_key(&id, |part| part.id).ok()?;
+        Some(&self.parts[found])
+    }
+
     /// Adds all files of another map, except those already present with the same name and text. Returns the new
     /// identifier of each file of the other map, in its order.
     pub fn absorb(&mut self, other: &SourceMap) -> Vec<FileId> {
@@ -124,7 +171,8 @@ impl SourceMap {
 
     /// Returns the name of a file; empty if the file is not in the map.
     pub fn name(&self, id: FileId) -> &str {
-        self.file(id).map_or("", |f| &f.name)
+        let whole = self.part(id).map_or(id, |part| part.file);
+        self.file(whole).map_or("", |f| &f.name)
     }
 
     /// Returns the text of a file; empty if the file is not in the map.
@@ -140,6 +188,7 @@ impl SourceMap {
     /// Returns the source text of a range, clamped to the file and to character boundaries; empty if the file is not in
     /// the map.
     pub fn slice(&self, span: Span) -> &str {
+        let span = self.in_whole_file(span);
         let (start, end) = self.clamp(span);
         &self.text(span.file)[start..end]
     }
@@ -220,6 +269,25 @@ mod tests {
         assert_eq!(sources.line_col(Span::new(file, 99, 99)).to_string(), "1:2");
         assert_eq!(sources.slice(Span::NONE), "");
         assert_eq!(sources.line_col(Span::NONE).to_string(), "1:1");
+    }
+
+    #[test]
+    fn locations_in_parts_are_relative_to_the_part() {
+        let (mut sources, file) = one("ab cd ef");
+        let parts = [(7, 3), (9, 6)].map(|(id, start)| SourcePart {
+            id: FileId(id),
+            file,
+            start,
+        });
+        sources.set_parts(parts.to_vec());
+        let of_part = |id, start, end| Span::new(FileId(id), start, end);
+        assert_eq!(sources.slice(of_part(9, 0, 2)), "ef");
+        assert_eq!(sources.slice(of_part(0, 0, 2)), "ab");
+        assert_eq!(sources.name(FileId(7)), "a.rpi");
+        let whole = Span::new(file, 3, 5);
+        assert_eq!(sources.in_whole_file(of_part(7, 0, 2)), whole);
+        assert_eq!(sources.in_part(whole), of_part(7, 0, 2));
+        assert_eq!(sources.in_whole_file(Span::NONE), Span::NONE);
     }
 
     #[test]

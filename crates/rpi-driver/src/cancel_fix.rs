@@ -5,6 +5,7 @@ use rpi_net::passes::is_cancel_ignored;
 use rpi_sema::ty::Ty;
 use rpi_sema::typed::{BlockId, Equation, TargetPlace, TypedKind, Unit, UnitId};
 use rpi_syntax::ast::CommandEndKind;
+use std::rc::Rc;
 
 /// Name of the Boolean output by which a motion of the standard library reports that it rests because of a cancel
 /// request.
@@ -12,7 +13,7 @@ const STOPPED: &str = "stopped";
 
 /// Adds a fix to the warnings about a command that ignores a cancel request: a result for the motion that has stopped.
 /// Only commands that make motions with an output `stopped` get the fix.
-pub(crate) fn add_fixes(units: &[Unit], unit: UnitId, found: &mut [Diagnostic]) {
+pub(crate) fn add_fixes(units: &[Rc<Unit>], unit: UnitId, found: &mut [Diagnostic]) {
     let command = &units[unit.0 as usize];
     for diagnostic in found.iter_mut().filter(|one| is_cancel_ignored(one)) {
         if let Some(fix) = stopped_condition(units, command).and_then(|when| fix(command, &when)) {
@@ -41,7 +42,7 @@ fn fix(command: &Unit, condition: &str) -> Option<Fix> {
 /// Returns the condition under which one of the motions of a command has stopped, such as `way.stopped`. The output of
 /// a motion in a fragment is absent while the fragment is inactive, and counts as false then. Returns `None` if there
 /// is no motion, or if the command has a flow named `stopped`.
-fn stopped_condition(units: &[Unit], command: &Unit) -> Option<String> {
+fn stopped_condition(units: &[Rc<Unit>], command: &Unit) -> Option<String> {
     if command.flows.iter().any(|flow| flow.name == *STOPPED) {
         return None;
     }
@@ -79,7 +80,7 @@ fn block_path(command: &Unit, block: BlockId) -> String {
     path
 }
 
-fn motion<'u>(units: &[Unit], command: &'u Unit, equation: &Equation) -> Option<&'u str> {
+fn motion<'u>(units: &[Rc<Unit>], command: &'u Unit, equation: &Equation) -> Option<&'u str> {
     let TypedKind::Call(call) = &command.expr(equation.value).kind else {
         return None;
     };

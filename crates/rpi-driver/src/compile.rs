@@ -144,7 +144,7 @@ fn program(input: &Input, text: &str, options: CompileOptions) -> Result<Compile
     modules.machine.period_ns = options.period_ns.unwrap_or(modules.machine.period_ns);
     let mode = Dialect::from_path(&path);
     let (mut built, _) = roots::build_modules(&modules, &sources, &options);
-    let links = doctext::broken_links(&sources, mode, &|| modules.index());
+    let links = doctext::broken_links(&sources, mode, || modules.index());
     built.diagnostics.extend(links);
     if let Some((file, entries)) = modules.points.as_ref()
         && !has_errors(&built.diagnostics)

@@ -3,6 +3,7 @@
 //! An example is a block fenced by ```` ```rpi ````. It is a separate program that imports the surrounding module
 //! implicitly. A link is a name in brackets and backquotes, ``[`lowpass`]``.
 
+use std::borrow::Borrow;
 use std::ops::Range;
 
 use rpi_diag::{Code, Diagnostic, SourceMap, Span};
@@ -104,10 +105,10 @@ pub fn doc_links(doc: &str) -> impl Iterator<Item = (Range<usize>, &str)> {
 
 /// Returns a diagnostic for each link in the doc comments of the first file whose name is undefined. `index` computes
 /// the index of all definitions, if the file has links.
-pub(crate) fn broken_links(
+pub(crate) fn broken_links<I: Borrow<Index>>(
     sources: &SourceMap,
     mode: Dialect,
-    index: &dyn Fn() -> Index,
+    index: impl FnOnce() -> I,
 ) -> Vec<Diagnostic> {
     let Some(file) = sources.files().next() else {
         return Vec::new();
@@ -117,13 +118,14 @@ pub(crate) fn broken_links(
         return Vec::new();
     }
     let index = index();
+    let index = index.borrow();
     let (mut diagnostics, mut budget) = (Vec::new(), SUGGESTION_BUDGET);
     for line in doc_blocks(text, mode).into_iter().flatten() {
         for (range, name) in doc_links(&text[line.clone()]) {
             let offset = |at: usize| u32::try_from(line.start + at).unwrap_or(u32::MAX);
             let span = Span::new(file, offset(range.start), offset(range.end));
             if index.resolve_path(file, span.start, name).is_none() {
-                diagnostics.push(broken_link(&index, span, name, &mut budget));
+                diagnostics.push(broken_link(index, span, name, &mut budget));
             }
         }
     }

@@ -58,7 +58,10 @@ pub fn typed(input: &Input) -> Result<String, InputError> {
     let (program, _) = Program::collect(&texts);
     Ok(with_large_stack(|| {
         let units = rpi_sema::check(&program).units;
-        units.iter().map(rpi_sema::typed::format_unit).collect()
+        units
+            .iter()
+            .map(|unit| rpi_sema::typed::format_unit(unit))
+            .collect()
     }))
 }
 

@@ -1,7 +1,7 @@
 //! Adaptation of fixes to the program: initial values get units and enum values, which the passes over nets do not
 //! know, and fixes of the standard library are removed.
 
-use crate::modules::is_library_path;
+use crate::library::is_library_path;
 use rpi_diag::{Diagnostic, Edit, Fix, SourceMap, Span};
 use rpi_sema::CheckedProgram;
 use rpi_sema::ty::Ty;

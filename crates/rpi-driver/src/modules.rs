@@ -1,62 +1,33 @@
-//! Modules of a program: its file, included files, imported modules, and the embedded standard library.
+//! Modules of a program: its file, included files, and imported modules of its folder or of the standard library.
 
-use std::collections::{BTreeMap, BTreeSet, VecDeque};
+use std::collections::{BTreeMap, VecDeque};
 use std::path::{Path, PathBuf};
-use std::sync::OnceLock;
+use std::rc::Rc;
 
-use rpi_diag::{Diagnostic, FileId, SourceMap};
+use rpi_diag::{Diagnostic, FileId, SourceMap, Span};
 use rpi_net::passes::MachineProfile;
 use rpi_sema::program::{Program, Source};
 use rpi_sema::query::Index;
+use rpi_sema::reuse::ItemHash;
 use rpi_syntax::ast::{File, Ident, Item, ItemKind};
-use rpi_syntax::{Dialect, Name, parse};
+use rpi_syntax::{Dialect, Name};
 
 use crate::cell;
 use crate::file_loader::FileLoader;
+use crate::file_parser::{FileParser, WholeFiles};
 use crate::input::InputError;
+use crate::library::{LIBRARY, Library, library_path};
 use crate::machine::load_machine;
 use crate::points;
 use crate::program::SourceText;
-
-/// Module of the standard library: its name and its source text.
-struct Library {
-    name: &'static str,
-    text: &'static str,
-    /// Whether every program imports the module without a `use`.
-    implicit: bool,
-}
-
-macro_rules! library {
-    ($name:literal, $implicit:literal) => {
-        Library {
-            name: $name,
-            text: include_str!(concat!("../../../stdlib/", $name, ".rpi")),
-            implicit: $implicit,
-        }
-    };
-}
-
-/// Modules of the standard library. A test checks that every file of the library is listed.
-const LIBRARY: &[Library] = &[
-    library!("commands", false),
-    library!("control", false),
-    library!("devices", false),
-    library!("filters", false),
-    library!("geometry", true),
-    library!("io", false),
-    library!("logic", false),
-    library!("math", true),
-    library!("motion", false),
-    library!("process", false),
-    library!("timers", false),
-];
 
 /// Module of a program: its name and its parsed files.
 #[derive(Debug)]
 struct Module {
     name: String,
     mode: Dialect,
-    files: Vec<File>,
+    /// Parsed files of the module. A file that is parsed in parts has one entry for each part.
+    files: Vec<Rc<File>>,
     implicit: bool,
 }
 
@@ -72,6 +43,12 @@ pub(crate) struct Modules {
     pub(crate) points: Option<(FileId, BTreeMap<String, String>)>,
     /// Number of axes of the arms of the cell that `cell.toml` in the folder describes; `None` if it does not decide it.
     pub(crate) arm_axes: Option<u32>,
+    /// Identifier of the first file after those of the main module.
+    pub(crate) first_library_file: FileId,
+    /// Identifiers of the first parts of all files, in ascending order; empty if the files are parsed as wholes.
+    pub(crate) first_parts: Vec<FileId>,
+    /// Hashes of all declarations, for the reuse of results; `None` if they are not known.
+    pub(crate) hashes: Option<Rc<[ItemHash]>>,
     pub(crate) diagnostics: Vec<Diagnostic>,
 }
 
@@ -86,9 +63,25 @@ impl Modules {
         disk: &dyn FileLoader,
         sources: &mut SourceMap,
     ) -> Modules {
-        let mut loader = Loader::new(folder, disk, sources);
-        let mode = Dialect::from_path(path);
-        loader.module(name, path, text, mode, false);
+        let source = SourceText {
+            name,
+            path,
+            text,
+            folder,
+        };
+        Modules::load_with(&mut WholeFiles, &source, disk, sources)
+    }
+
+    /// Parses a program text and all modules that it needs like [`load`](Self::load), with the given parser.
+    pub(crate) fn load_with(
+        parser: &mut dyn FileParser,
+        source: &SourceText<'_>,
+        disk: &dyn FileLoader,
+        sources: &mut SourceMap,
+    ) -> Modules {
+        let mut loader = Loader::new(parser, source.folder, disk, sources);
+        let mode = Dialect::from_path(source.path);
+        loader.module(source.name, source.path, source.text, mode, false);
         loader.finish(mode)
     }
 
@@ -100,7 +93,8 @@ impl Modules {
         disk: &dyn FileLoader,
         sources: &mut SourceMap,
     ) -> Modules {
-        let mut loader = Loader::new(of.folder, disk, sources);
+        let mut parser = WholeFiles;
+        let mut loader = Loader::new(&mut parser, of.folder, disk, sources);
         let mode = Dialect::from_path(of.path);
         loader.module("example", of.path, example, mode, false);
         loader.module(of.name, of.path, of.text, mode, true);
@@ -131,6 +125,13 @@ impl Modules {
         Index::build(&program, &sources)
     }
 
+    /// Returns the index without the content of bodies that do not contain `focus`.
+    pub(crate) fn index_around(&self, focus: Span) -> Index {
+        let sources = self.sources();
+        let (program, _) = Program::collect(&sources);
+        Index::build_around(&program, &sources, focus)
+    }
+
     /// Returns the modules in the form that the checker expects.
     pub(crate) fn sources(&self) -> Vec<Source<'_>> {
         let mut all = Vec::with_capacity(self.modules.len());
@@ -138,7 +139,7 @@ impl Modules {
             all.push(Source {
                 name: Name::from(module.name.as_str()),
                 mode: module.mode,
-                files: module.files.iter().collect(),
+                files: module.files.iter().map(Rc::as_ref).collect(),
                 implicit: module.implicit,
             });
         }
@@ -147,6 +148,7 @@ impl Modules {
 }
 
 struct Loader<'a> {
+    parser: &'a mut dyn FileParser,
     folder: Option<PathBuf>,
     disk: &'a dyn FileLoader,
     sources: &'a mut SourceMap,
@@ -154,15 +156,19 @@ struct Loader<'a> {
     diagnostics: Vec<Diagnostic>,
     pending: VecDeque<String>,
     points: Option<(FileId, BTreeMap<String, String>)>,
+    /// Number of files of the main module.
+    own_file_count: u32,
 }
 
 impl<'a> Loader<'a> {
     fn new(
+        parser: &'a mut dyn FileParser,
         folder: Option<&Path>,
         disk: &'a dyn FileLoader,
         sources: &'a mut SourceMap,
     ) -> Loader<'a> {
         Loader {
+            parser,
             folder: folder.map(Path::to_owned),
             disk,
             sources,
@@ -170,6 +176,7 @@ impl<'a> Loader<'a> {
             diagnostics: Vec::new(),
             pending: VecDeque::new(),
             points: None,
+            own_file_count: 0,
         }
     }
 
@@ -190,6 +197,9 @@ impl<'a> Loader<'a> {
         Modules {
             arm_axes: folder.and_then(|folder| cell::arm_axes(folder, self.disk)),
             points: self.points,
+            first_parts: Vec::new(),
+            hashes: None,
+            first_library_file: self.parser.first_id(FileId(self.own_file_count)),
             machine: machine.as_ref().copied().unwrap_or_default(),
             machine_error: machine.err(),
             modules: self.modules,
@@ -206,7 +216,7 @@ impl<'a> Loader<'a> {
         implicit: bool,
     ) -> FileId {
         let file = self.sources.add(path, text);
-        let mut files = vec![self.parse(file, text, mode)];
+        let mut files = self.parse(file, text, mode);
         // `files` grows during the loop, because an included file may include others.
         let mut next = 0;
         while next < files.len() {
@@ -215,8 +225,11 @@ impl<'a> Loader<'a> {
             }
             next += 1;
         }
-        let used = files.iter().flat_map(uses);
+        let used = files.iter().flat_map(|file| uses(file));
         self.pending.extend(used);
+        if self.modules.is_empty() {
+            self.own_file_count = u32::try_from(self.sources.files().count()).unwrap_or(u32::MAX);
+        }
         self.modules.push(Module {
             name: name.to_owned(),
             mode,
@@ -226,15 +239,13 @@ impl<'a> Loader<'a> {
         file
     }
 
-    fn parse(&mut self, file: FileId, text: &str, mode: Dialect) -> File {
-        let parsed = parse(file, text, mode);
-        self.diagnostics.extend(parsed.diagnostics);
-        parsed.file
+    fn parse(&mut self, file: FileId, text: &str, mode: Dialect) -> Vec<Rc<File>> {
+        self.parser.parse(file, text, mode, &mut self.diagnostics)
     }
 
-    /// Parses an included file in the language `mode`. Returns `None` if the file was included before or cannot be
+    /// Parses an included file in the language `mode`. Returns nothing if the file was included before or cannot be
     /// found.
-    fn include(&mut self, include: &Ident, mode: Dialect) -> Option<File> {
+    fn include(&mut self, include: &Ident, mode: Dialect) -> Vec<Rc<File>> {
         let folder = self.folder.as_ref();
         let path = folder.map(|folder| folder.join(include.name.as_str()));
         let path_text = path.as_ref().map(|path| path.display().to_string());
@@ -243,13 +254,13 @@ impl<'a> Loader<'a> {
             known.any(|name| name == path)
         };
         if path_text.as_ref().is_some_and(is_known) {
-            return None;
+            return Vec::new();
         }
         let text = path.and_then(|path| self.disk.text(&path));
         let Some((path, text)) = path_text.zip(text) else {
             self.diagnostics
                 .push(rpi_sema::file_not_found(include, folder.is_none()));
-            return None;
+            return Vec::new();
         };
         // A `.lus` file is Lustre whichever file includes it. Any other file has the language of the including module.
         let mode = match Dialect::from_path(&path) {
@@ -257,7 +268,7 @@ impl<'a> Loader<'a> {
             Dialect::Rpi => mode,
         };
         let file = self.sources.add(path, text.as_str());
-        Some(self.parse(file, &text, mode))
+        self.parse(file, &text, mode)
     }
 
     fn library(&mut self, library: &Library) {
@@ -320,12 +331,13 @@ impl Loader<'_> {
             }
             Err(errors) => {
                 let file = self.sources.add(name, text.as_str());
+                let file = self.parser.whole_id(file);
                 let (mut diagnostics, module) = points::faulty_module(file, &text, &errors);
                 self.diagnostics.append(&mut diagnostics);
                 self.modules.push(Module {
                     name: points::MODULE.to_owned(),
                     mode: Dialect::Rpi,
-                    files: vec![module],
+                    files: vec![Rc::new(module)],
                     implicit: false,
                 });
             }
@@ -353,95 +365,4 @@ fn uses(file: &File) -> Vec<String> {
         }
     }
     names
-}
-
-/// Returns the path by which messages refer to the module of the standard library with this name.
-pub(crate) fn library_path(name: &str) -> String {
-    format!("stdlib/{name}.rpi")
-}
-
-/// Returns whether a path in messages refers to a module of the standard library.
-pub(crate) fn is_library_path(path: &str) -> bool {
-    let name = path.strip_prefix("stdlib/");
-    let name = name.and_then(|name| name.strip_suffix(".rpi"));
-    name.is_some_and(|name| library_text(name).is_some())
-}
-
-/// Returns the source text of the module of the standard library with this name; `None` if there is none.
-#[must_use]
-pub fn library_text(name: &str) -> Option<&'static str> {
-    let found = LIBRARY.iter().find(|library| library.name == name);
-    found.map(|library| library.text)
-}
-
-/// Access of the checker to the names in the standard library, for suggestions about missing imports.
-pub(crate) const LIBRARY_NAMES: rpi_sema::program::Library = rpi_sema::program::Library {
-    modules: || library_modules().collect(),
-    declaring: declaring_module,
-};
-
-/// Returns the module of the standard library that declares a name, among the modules that are not imported implicitly;
-/// `None` if no module does.
-fn declaring_module(name: &str) -> Option<&'static str> {
-    static NAMES: OnceLock<BTreeMap<String, &'static str>> = OnceLock::new();
-    NAMES.get_or_init(library_names).get(name).copied()
-}
-
-/// Returns the names that the modules declare that every program imports implicitly.
-pub(crate) fn implicit_names() -> &'static BTreeSet<String> {
-    static NAMES: OnceLock<BTreeSet<String>> = OnceLock::new();
-    NAMES.get_or_init(|| {
-        names_where(|library| library.implicit)
-            .into_keys()
-            .collect()
-    })
-}
-
-/// Returns every name that a module of the standard library declares, with the module. Only modules that are not
-/// imported implicitly count.
-fn library_names() -> BTreeMap<String, &'static str> {
-    names_where(|library| !library.implicit)
-}
-
-/// Returns every name that one of the modules `of` of the standard library declares, with the module.
-fn names_where(of: fn(&Library) -> bool) -> BTreeMap<String, &'static str> {
-    let mut names = BTreeMap::new();
-    for library in LIBRARY.iter().filter(|library| of(library)) {
-        let file = parse(FileId(0), library.text, Dialect::Rpi).file;
-        let source = Source {
-            name: Name::from(library.name),
-            mode: Dialect::Rpi,
-            files: vec![&file],
-            implicit: false,
-        };
-        let (program, _) = rpi_sema::program::Program::collect(&[source]);
-        for decl in &program.decls {
-            names.entry(decl.name.to_string()).or_insert(library.name);
-        }
-    }
-    names
-}
-
-/// Returns the names of the modules of the standard library.
-pub fn library_modules() -> impl Iterator<Item = &'static str> {
-    LIBRARY.iter().map(|library| library.name)
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn every_file_of_the_library_is_listed() {
-        let root = rpi_testkit::workspace_root();
-        let mut files: Vec<String> = std::fs::read_dir(root.join("stdlib"))
-            .unwrap()
-            .filter_map(|entry| {
-                let name = entry.unwrap().file_name().to_string_lossy().into_owned();
-                name.strip_suffix(".rpi").map(str::to_owned)
-            })
-            .collect();
-        files.sort();
-        assert_eq!(files, library_modules().collect::<Vec<_>>());
-    }
 }

@@ -10,7 +10,7 @@ use rpi_sim::PointsFile;
 use rpi_syntax::ast::{DeclaredKind, DeclaredName, File, Ident, Item, ItemKind};
 use rpi_syntax::{Dialect, Name, parse};
 
-use crate::modules;
+use crate::library;
 use crate::points_text::{declared_names, foreign_frame, module_text};
 
 /// Name of the module, for which programs write `use points;`.
@@ -101,7 +101,7 @@ fn wrong_names(file: &PointsFile) -> Vec<PointsError> {
             help: Some("give the entry another name".to_owned()),
         });
     };
-    let library = modules::implicit_names();
+    let library = library::implicit_names();
     let mut known: BTreeMap<String, &str> = BTreeMap::new();
     for (name, entry) in declared_names(file) {
         if library.contains(&name) {

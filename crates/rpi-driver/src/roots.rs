@@ -1,6 +1,7 @@
 //! Units that can be run: commands, tests and tasks, each with its net.
 
 use std::collections::BTreeSet;
+use std::rc::Rc;
 
 use rpi_diag::{Diagnostic, SourceMap};
 use rpi_sema::CheckedProgram;
@@ -13,7 +14,8 @@ use crate::compile::{CompileOptions, UnboundCommand};
 use crate::faults::FaultLocation;
 use crate::instance_diagnostics::InstanceDiagnostics;
 use crate::modules::Modules;
-use crate::program::{AnalysedProgram, with_checked_program};
+use crate::program::{AnalysedProgram, with_reused_program};
+use crate::program_memo::ProgramMemo;
 use crate::program_tests::Test;
 use crate::task::{self, Instance, Task};
 use crate::unit_analysis::{AnalysedUnit, elaborate_and_analyse, elaborated_again, with_claims};
@@ -46,10 +48,21 @@ pub(crate) fn build_modules(
     sources: &SourceMap,
     options: &CompileOptions,
 ) -> (BuildOutput, CheckedProgram) {
+    build_reusing(modules, sources, options, None)
+}
+
+/// Checks parsed modules like [`build_modules`]. With `memo`, the results of an earlier check are reused, and the output
+/// has no nets.
+pub(crate) fn build_reusing(
+    modules: &Modules,
+    sources: &SourceMap,
+    options: &CompileOptions,
+    memo: Option<&mut ProgramMemo>,
+) -> (BuildOutput, CheckedProgram) {
     let back = |front: &AnalysedProgram<'_>, diagnostics: &mut Vec<Diagnostic>| {
         build_roots(front, options, diagnostics)
     };
-    let (roots, diagnostics, checked) = with_checked_program(modules, sources, back);
+    let (roots, diagnostics, checked) = with_reused_program(modules, sources, memo, back);
     let built = BuildOutput {
         nets: roots.nets,
         unbound: roots.unbound,
@@ -84,7 +97,7 @@ fn build_roots(
     let checked = front.checked;
     front.reports.request(options);
     let watch = Watch::new(&options.watch);
-    let called = called_units(&checked.units);
+    let called = called_units(checked.units.iter().map(Rc::as_ref));
     let (mut roots, mut instances) = (Roots::default(), InstanceDiagnostics::default());
     for (_, unit) in &checked.runnable {
         let kind = checked.unit(*unit).kind;

@@ -1,5 +1,7 @@
 //! Typed program, for interpreters that do not use nets.
 
+use std::rc::Rc;
+
 use rpi_diag::{Diagnostic, SourceMap};
 use rpi_sema::facts::Facts;
 use rpi_sema::typed::{Unit, UnitId};
@@ -46,8 +48,8 @@ pub fn check_typed(input: &Input) -> Result<Result<TypedProgram, Vec<Diagnostic>
     Ok(match known {
         None => Err(diagnostics),
         Some((facts, runnable)) => Ok(TypedProgram {
-            units: checked.units,
-            facts,
+            units: checked.units.into_iter().map(Rc::unwrap_or_clone).collect(),
+            facts: facts.into_iter().map(Rc::unwrap_or_clone).collect(),
             runnable,
         }),
     })

@@ -13,7 +13,7 @@ use crate::analysed_net::AnalysedNet;
 use crate::analysis_summary;
 use crate::cancel_fix;
 use crate::program::{AnalysedProgram, has_errors};
-use crate::unused_outputs;
+use crate::program_memo::NetDiagnostics;
 use crate::violation;
 
 /// Unit (node, command or test) whose net has passed all analyses without errors.
@@ -71,8 +71,9 @@ pub(crate) fn elaborated_again(
     }
 }
 
-/// Elaborates one unit (node, command or test) to a net and analyses the net. Returns `None` if there are errors. The
-/// net contains all claims (assertions and contracts), because the passes analyse them as well.
+/// Elaborates one unit (node, command or test) to a net and analyses the net. Returns `None` if there are errors, or if the
+/// results of an earlier analysis are used. The net contains all claims (assertions and contracts), because the passes
+/// analyse them as well.
 pub(crate) fn elaborate_and_analyse(
     front: &AnalysedProgram<'_>,
     unit: UnitId,
@@ -85,11 +86,39 @@ pub(crate) fn elaborate_and_analyse(
         return None;
     }
     let units = &front.checked.units;
-    let elaborated = elaborate(units, front.facts, unit, args, ClaimPolicy::Report);
+    let elaborate = || elaborate(units, front.facts, unit, args, ClaimPolicy::Report);
+    if let Some(known) = &front.net_memo {
+        let compute = || net_diagnostics(front, unit, args, elaborate());
+        let found = known.get_or_compute(unit, args, front.machine, compute);
+        front.node_budget.extract_element(found.node_count);
+        let mut found = found.diagnostics.clone();
+        front.out_ports.suppress_unused(units, unit, &mut found);
+        diagnostics.append(&mut found);
+        return None;
+    }
+    let elaborated = elaborate();
     front
         .node_budget
         .extract_element(elaborated.net.nodes.len());
     analyse_unit(front, unit, args, elaborated, diagnostics)
+}
+
+/// Analyses the net of a unit for its diagnostics only.
+fn net_diagnostics(
+    front: &AnalysedProgram<'_>,
+    unit: UnitId,
+    args: &[Argument],
+    mut elaborated: ElaboratedUnit,
+) -> NetDiagnostics {
+    let node_count = elaborated.net.nodes.len();
+    let mut diagnostics = std::mem::take(&mut elaborated.diagnostics);
+    if !has_errors(&diagnostics) {
+        run_passes(front, unit, args, &mut elaborated, &mut diagnostics);
+    }
+    NetDiagnostics {
+        diagnostics,
+        node_count,
+    }
 }
 
 /// Runs the analyses on the net of a unit and adds their diagnostics. Returns `None` if the elaboration or a pass
@@ -106,7 +135,8 @@ pub(crate) fn analyse_unit(
     if !has_errors(&found) {
         net = run_passes(front, unit, args, &mut elaborated, &mut found);
     }
-    unused_outputs::suppress_unused_outputs(&front.checked.units, unit, &mut found);
+    let units = &front.checked.units;
+    front.out_ports.suppress_unused(units, unit, &mut found);
     let has_errors = has_errors(&found);
     diagnostics.append(&mut found);
     Some(AnalysedUnit {

@@ -11,7 +11,7 @@ use std::time::{Duration, Instant};
 
 use lsp_server::RequestId;
 use lsp_types::{Diagnostic, Range, TextDocumentContentChangeEvent, Uri};
-use rpi_driver::{DiskLoader, FileLoader, Inspection, inspect};
+use rpi_driver::{CheckSession, DiskLoader, FileLoader, Inspection};
 
 use crate::cancellation::Cancellations;
 use crate::capabilities::ClientFeatures;
@@ -39,6 +39,8 @@ pub(crate) struct Document {
     pub(crate) text: String,
     /// Result of the last analysis of the document; `None` before the first one.
     analysis: Option<Rc<Inspection>>,
+    /// Results of the last analysis that the next one can reuse.
+    session: CheckSession,
     /// Time at which the next analysis is due, and time of the first change since the last analysis; `None` if the last
     /// analysis is of the current text.
     due: Option<(Instant, Instant)>,
@@ -55,6 +57,7 @@ impl Document {
             version,
             text,
             analysis: None,
+            session: CheckSession::default(),
             due: None,
             analysis_time: Duration::ZERO,
             diagnostics: BTreeMap::new(),
@@ -317,16 +320,20 @@ impl Workspace {
     }
 
     fn analyse(&mut self, path: &Path) {
-        let Some(document) = self.documents.get(path) else {
+        let Some(document) = self.documents.get_mut(path) else {
             return;
         };
         let begun = Instant::now();
-        let seen = Rc::new(inspect(path, &document.text, &Overlay(&self.documents)));
+        // After a panic, the next analysis begins from nothing.
+        let mut session = std::mem::take(&mut document.session);
+        let text = document.text.clone();
+        let seen = Rc::new(session.inspect(path, &text, &Overlay(&self.documents)));
         let found = diagnostics::by_file(self, &seen, path);
         let Some(document) = self.documents.get_mut(path) else {
             return;
         };
         document.due = None;
+        document.session = session;
         document.analysis = Some(seen);
         document.analysis_time = begun.elapsed();
         let old = std::mem::replace(&mut document.diagnostics, found);

@@ -20,6 +20,7 @@ mod hash;
 pub mod init;
 pub mod program;
 pub mod query;
+pub mod reuse;
 mod sound;
 pub(crate) mod summary;
 pub mod ty;
@@ -29,5 +30,5 @@ pub(crate) mod unused;
 
 pub use crate::summary::summary;
 pub use crate::unused::unused_warnings;
-pub use check::{CheckedProgram, check, file_not_found, result_identity};
+pub use check::{CheckedProgram, check, check_reusing, file_not_found, result_identity};
 pub use sound::{sound_units, without_undefined_flows_in_unclosed_bodies};

@@ -10,10 +10,15 @@ use crate::typed::{Unit, UnitId};
 use rpi_diag::suppression::{Cause, suppress};
 use rpi_diag::{Diagnostic, FileId, Severity, Span};
 use std::collections::BTreeMap;
+use std::rc::Rc;
 
 /// Returns for each unit whether it can be compiled, because neither it nor any unit that it needs has an error.
 #[must_use]
-pub fn sound_units(program: &Program<'_>, units: &[Unit], diagnostics: &[Diagnostic]) -> Vec<bool> {
+pub fn sound_units(
+    program: &Program<'_>,
+    units: &[Rc<Unit>],
+    diagnostics: &[Diagnostic],
+) -> Vec<bool> {
     let errors = diagnostics
         .iter()
         .filter(|f| f.severity() == Severity::Error);
@@ -32,7 +37,7 @@ pub fn sound_units(program: &Program<'_>, units: &[Unit], diagnostics: &[Diagnos
     faulty.sort_unstable_by_key(|span| (span.file, span.start));
     let faulty = Extents::from_spans(faulty);
     let stands = |unit: &Unit| faulty.containing(unit.span).is_none() && !has_error(unit);
-    propagate_unsound(units, units.iter().map(stands).collect())
+    propagate_unsound(units, units.iter().map(|unit| stands(unit)).collect())
 }
 
 /// Removes errors about flows that are never defined (RPI1009) in bodies whose end is missing. The definition may be in
@@ -64,7 +69,7 @@ fn has_error(unit: &Unit) -> bool {
 }
 
 /// Returns `sound` with the units that need a unit with errors marked as having errors as well.
-fn propagate_unsound(units: &[Unit], mut sound: Vec<bool>) -> Vec<bool> {
+fn propagate_unsound(units: &[Rc<Unit>], mut sound: Vec<bool>) -> Vec<bool> {
     let mut users: Vec<Vec<usize>> = vec![Vec::new(); units.len()];
     for (user, unit) in units.iter().enumerate() {
         dependencies(unit).for_each(|needed| users[needed.0 as usize].push(user));

@@ -5,18 +5,19 @@ use crate::typed::{BlockId, ExprId, Unit, UnitId, UnitKind};
 use crate::typed::{Expr, TypedKind};
 use rpi_syntax::ast::CommandEndKind;
 use std::collections::BTreeSet;
+use std::rc::Rc;
 
 /// Names of the primitives for integer division and modulo.
 const DIVISION_PRIMS: [&str; 2] = ["Core::IntDivide", "Rpi::IntModulo"];
 
 /// Returns one line for each analysis, with the name of the analysis, about a unit and all units that it calls.
 #[must_use]
-pub fn summary(units: &[Unit], id: UnitId) -> Vec<(&'static str, String)> {
+pub fn summary(units: &[Rc<Unit>], id: UnitId) -> Vec<(&'static str, String)> {
     if units[id.0 as usize].kind == UnitKind::Task {
         return task_summary(units, &units[id.0 as usize]);
     }
     let all = transitive_callees(units, id);
-    let all: Vec<&Unit> = all.iter().map(|id| &units[id.0 as usize]).collect();
+    let all: Vec<&Unit> = all.iter().map(|id| &*units[id.0 as usize]).collect();
     vec![
         ("units", dimensions(&all)),
         ("clocks", clocks(&all)),
@@ -26,9 +27,10 @@ pub fn summary(units: &[Unit], id: UnitId) -> Vec<(&'static str, String)> {
 }
 
 /// Returns the lines about a task for `rpic check --explain-analysis`: the name of each check and its result.
-fn task_summary(units: &[Unit], task: &Unit) -> Vec<(&'static str, String)> {
+fn task_summary(units: &[Rc<Unit>], task: &Unit) -> Vec<(&'static str, String)> {
     let run = task.steps.iter().map(|step| &units[step.unit.0 as usize]);
-    let commands: Vec<&Unit> = run.filter(|unit| unit.kind == UnitKind::Command).collect();
+    let commands = run.filter(|unit| unit.kind == UnitKind::Command);
+    let commands: Vec<&Unit> = commands.map(Rc::as_ref).collect();
     let ends = commands
         .iter()
         .flat_map(|unit| &unit.block(BlockId::ROOT).ends);
@@ -60,7 +62,7 @@ fn task_summary(units: &[Unit], task: &Unit) -> Vec<(&'static str, String)> {
 }
 
 /// Returns a unit and all units that it calls, directly or through other units.
-fn transitive_callees(units: &[Unit], id: UnitId) -> BTreeSet<UnitId> {
+fn transitive_callees(units: &[Rc<Unit>], id: UnitId) -> BTreeSet<UnitId> {
     let (mut seen, mut open) = (BTreeSet::new(), vec![id]);
     while let Some(id) = open.pop() {
         if !seen.insert(id) {

@@ -21,7 +21,7 @@ pub(crate) struct ParseContext<'t> {
     pub(crate) text: &'t str,
     pub(crate) dialect: Dialect,
     names: Interner,
-    pub(crate) guessed_names: GuessedNames<'t>,
+    pub(crate) guessed_names: &'t GuessedNames<'t>,
     comments: &'t Comments,
     lexemes: &'t [Lexeme],
     /// RPI text of literals in the notation of another language, by the byte range of the literal.
@@ -42,13 +42,14 @@ impl<'t> ParseContext<'t> {
         text: &'t str,
         mode: Dialect,
         lexed: &'t LexOutput,
+        guessed_names: &'t GuessedNames<'t>,
     ) -> ParseContext<'t> {
         ParseContext {
             file,
             text,
             dialect: mode,
             names: Interner::default(),
-            guessed_names: GuessedNames::new(text),
+            guessed_names,
             comments: &lexed.comments,
             lexemes: &lexed.lexemes,
             replaced_text: &lexed.replaced_text,

@@ -41,18 +41,20 @@ const MAX_LEN: usize = u32::MAX as usize / 2;
 
 /// Splits a source text into tokens and comments.
 pub(crate) fn lex(file: FileId, text: &str, mode: Dialect) -> LexOutput {
-    lex_skipping(file, text, mode, &BTreeSet::new())
+    lex_skipping(file, text, mode, &BTreeSet::new(), &GuessedNames::new(text))
 }
 
 /// Splits a source text into tokens and comments. A comment that begins at one of the byte offsets `skipped` is not
-/// read as tokens, even if it contains a contract or property.
+/// read as tokens, even if it contains a contract or property. `guessed_names` are those of the whole file, of which `text`
+/// may be a part.
 pub(crate) fn lex_skipping(
     file: FileId,
     text: &str,
     mode: Dialect,
     skipped: &BTreeSet<u32>,
+    guessed_names: &GuessedNames<'_>,
 ) -> LexOutput {
-    let mut lexer = Lexer::new(file, text, mode, skipped);
+    let mut lexer = Lexer::new(file, text, mode, (skipped, guessed_names));
     if text.len() > MAX_LEN {
         lexer.report(
             LexicalErrorKind::Other,
@@ -86,14 +88,19 @@ struct Lexer<'t> {
     /// Byte offsets of the comments whose contracts and properties are not read as tokens.
     skipped_claims: &'t BTreeSet<u32>,
     output: LexOutput,
-    guessed_names: GuessedNames<'t>,
+    guessed_names: &'t GuessedNames<'t>,
     /// Span of the adjacent unknown characters read so far, which are reported together; `None` if the last character
     /// was known.
     unknown: Option<Span>,
 }
 
 impl<'t> Lexer<'t> {
-    fn new(file: FileId, text: &'t str, mode: Dialect, skipped: &'t BTreeSet<u32>) -> Lexer<'t> {
+    fn new(
+        file: FileId,
+        text: &'t str,
+        mode: Dialect,
+        (skipped, guessed_names): (&'t BTreeSet<u32>, &'t GuessedNames<'t>),
+    ) -> Lexer<'t> {
         let out = LexOutput {
             lexemes: Vec::with_capacity(text.len() / 4),
             comments: Comments::default(),
@@ -107,7 +114,7 @@ impl<'t> Lexer<'t> {
             mode,
             skipped_claims: skipped,
             output: out,
-            guessed_names: GuessedNames::new(text),
+            guessed_names,
             unknown: None,
         }
     }

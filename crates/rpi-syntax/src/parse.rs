@@ -2,6 +2,7 @@
 
 use crate::ast::{File, Item};
 use crate::context::ParseContext;
+use crate::guessed_names::GuessedNames;
 use crate::lexer::{LexOutput, Lexeme, LexicalError, LexicalErrorKind, lex_skipping};
 use crate::lexical_errors;
 use crate::split::{Chunk, ChunkKind, split};
@@ -19,7 +20,18 @@ pub fn parse(file: FileId, text: &str, mode: Dialect) -> Parse {
 
 /// Parses a whole file like [`parse`] and also returns its tokens.
 pub(crate) fn parse_with_tokens(file: FileId, text: &str, mode: Dialect) -> (Parse, Vec<Lexeme>) {
-    let (lexed, items, found) = with_large_stack(|| parse_with_claims(file, text, mode));
+    parse_with_names(file, text, mode, &GuessedNames::new(text))
+}
+
+/// Parses a text like [`parse_with_tokens`]. `guessed_names` are those of the whole file, of which `text` may be a part.
+pub(crate) fn parse_with_names(
+    file: FileId,
+    text: &str,
+    mode: Dialect,
+    guessed_names: &GuessedNames<'_>,
+) -> (Parse, Vec<Lexeme>) {
+    let (lexed, items, found) =
+        with_large_stack(|| parse_with_claims(file, text, mode, guessed_names));
     let gaps = LexicalGaps::new(text, &lexed.errors);
     let mut diagnostics = merge_per_call(text, lexed.errors);
     let found = found.into_iter();
@@ -76,11 +88,14 @@ fn parse_with_claims(
     file: FileId,
     text: &str,
     mode: Dialect,
+    guessed_names: &GuessedNames<'_>,
 ) -> (LexOutput, Vec<Item>, Vec<Diagnostic>) {
     let (mut skipped, mut attempt) = (BTreeSet::new(), 0);
     loop {
-        let mut lexed = lex_skipping(file, text, mode, &skipped);
-        let (items, found, foreign) = parse_items(file, text, mode, &lexed);
+        let mut lexed = lex_skipping(file, text, mode, &skipped, guessed_names);
+        let cx = ParseContext::new(file, text, mode, &lexed, guessed_names);
+        let (items, found) = parse_items(&cx, &lexed);
+        let foreign = cx.into_foreign_statements();
         let errors = std::mem::take(&mut lexed.errors).into_iter();
         lexed.errors = errors
             .filter(|error| !is_explained(&foreign, error))
@@ -155,16 +170,10 @@ impl LexicalGaps<'_> {
 /// Maximum number of errors reported for one file. Text after that is not parsed.
 const MAX_ERRORS: usize = 10_000;
 
-fn parse_items(
-    file: FileId,
-    text: &str,
-    mode: Dialect,
-    lexed: &LexOutput,
-) -> (Vec<Item>, Vec<Diagnostic>, Vec<Span>) {
-    let cx = ParseContext::new(file, text, mode, lexed);
+fn parse_items(cx: &ParseContext<'_>, lexed: &LexOutput) -> (Vec<Item>, Vec<Diagnostic>) {
     let mut diagnostics = Vec::new();
     let mut items = Vec::new();
-    for chunk in split(text, &lexed.lexemes, mode) {
+    for chunk in split(cx.text, &lexed.lexemes, cx.dialect) {
         if diagnostics.len() > MAX_ERRORS {
             let next = lexed.lexemes[chunk.range.start];
             diagnostics.push(lexical_errors::too_many_errors(
@@ -172,9 +181,9 @@ fn parse_items(
             ));
             break;
         }
-        items.extend(parse_item(&cx, &chunk, lexed, &mut diagnostics));
+        items.extend(parse_item(cx, &chunk, lexed, &mut diagnostics));
     }
-    (items, diagnostics, cx.into_foreign_statements())
+    (items, diagnostics)
 }
 
 fn parse_item(

@@ -56,7 +56,7 @@ impl ErrorContext<'_, '_> {
         let names = ["", "1", "2"].map(|tail| format!("{word}_{tail}"));
         let mut free = names
             .into_iter()
-            .filter(|name| !self.cx.text.contains(name));
+            .filter(|name| !self.cx.guessed_names.contains(name));
         let name = free.next().filter(|_| !is_value)?;
         let is_name = |(at, lexeme): &(usize, &Lexeme)| {
             lexeme.start == here.start || lexeme.token == here.token && self.may_be_name(*at)

@@ -17,6 +17,8 @@ pub(crate) struct Chunk {
     pub(crate) range: Range<usize>,
     /// Classification of the first token of the chunk.
     pub(crate) kind: ChunkKind,
+    /// Whether the declaration of the chunk is complete: its body and brackets are closed, and it ends with `tel` or `;`.
+    pub(crate) is_closed: bool,
 }
 
 /// Class of a [`Chunk`], by its first token.
@@ -75,6 +77,22 @@ impl Splitter<'_> {
             None => self.extend_chunk(at),
         }
         self.count_open(at);
+        let is_closed = self.is_closed(at);
+        if let Some(chunk) = self.chunks.last_mut() {
+            chunk.is_closed = is_closed;
+        }
+    }
+
+    /// Returns whether the declaration of the current chunk is complete after token `at`.
+    fn is_closed(&self, at: usize) -> bool {
+        let last = self.lexemes[at].token;
+        let is_whole = self.is_complete && matches!(last, Token::Tel | Token::Semi);
+        let declares = (self.chunks.last()).is_some_and(|one| one.kind == ChunkKind::Declaration);
+        (is_whole || self.may_have_ended(Some(last)))
+            && declares
+            && self.open_lets == 0
+            && self.open_statics == 0
+            && !self.in_contract
     }
 
     /// Returns the class of the chunk that begins at token `at`; `None` if the token continues the current chunk.
@@ -112,7 +130,11 @@ impl Splitter<'_> {
         (self.open_lets, self.open_brackets, self.open_statics) = (0, 0, 0);
         self.in_contract = false;
         let range = at..at + 1;
-        self.chunks.push(Chunk { range, kind: head });
+        self.chunks.push(Chunk {
+            range,
+            kind: head,
+            is_closed: false,
+        });
     }
 
     fn in_package(&self) -> bool {

@@ -4,8 +4,6 @@ use rpi_diag::FileId;
 use rpi_driver::Inspection;
 use rpi_sema::query::{Def, DefId, DefKind, Reference};
 
-use rpi_syntax::ast::ItemKind;
-
 use super::members;
 use super::place::{ArgumentContext, Cursor, MemberPath, Place, member_path};
 use super::structure::{Bracket, Structure};
@@ -69,13 +67,8 @@ pub(super) fn type_text(seen: &Inspection, id: DefId) -> String {
 
 /// Returns the name of the enum that declares a value.
 fn enum_of(seen: &Inspection, value: &Def) -> Option<String> {
-    let types = seen.items().filter_map(|item| match &item.kind {
-        ItemKind::Type(defs) => Some(defs),
-        _ => None,
-    });
-    let mut types = types.flatten();
-    let found = types.find(|ty| ty.span.contains(value.span))?;
-    Some(found.name.name.to_string())
+    let found = seen.type_around_declaration(value.span)?;
+    Some(found.to_string())
 }
 
 fn value_type(seen: &Inspection, def: &Def) -> String {

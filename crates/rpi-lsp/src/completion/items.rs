@@ -9,7 +9,7 @@ use rpi_image::Scalar;
 use rpi_prims::registry;
 use rpi_sema::query::{Def, DefId, DefKind, builtins};
 use rpi_sema::units::UNITS;
-use rpi_syntax::ast::{ItemKind, PortKind};
+use rpi_syntax::ast::PortKind;
 use rpi_syntax::{Dialect, KEYWORDS};
 
 use super::candidate::{Candidate, Group};
@@ -129,7 +129,7 @@ impl ItemCollector<'_> {
     /// Returns the definitions of a kind in the declaration at the top level around the cursor.
     fn in_declaration(&self, kind: DefKind) -> Vec<Candidate> {
         let cursor = Span::new(FileId(0), self.offset, self.offset);
-        let item = self.analysis.item_around(cursor).map(|item| item.span);
+        let item = self.analysis.item_span_around(cursor);
         let all = self.analysis.index().defs_in(FileId(0));
         let here = all.filter(|(_, def)| {
             def.kind == kind && item.is_some_and(|item| item.contains(def.span))
@@ -311,11 +311,10 @@ impl ItemCollector<'_> {
     /// none.
     fn use_edit(&self, module: &str) -> TextEdit {
         let text = self.analysis.sources.text(FileId(0));
-        let items = self.analysis.own_items();
-        let uses = items.filter(|item| matches!(item.kind, ItemKind::Use(_)));
-        let last = uses.filter(|item| item.span.file == FileId(0)).last();
-        let after = last.map_or(0, |item| {
-            let end = item.span.end as usize;
+        let uses = self.analysis.use_clauses();
+        let last = uses.filter(|clause| clause.file == FileId(0)).last();
+        let after = last.map_or(0, |clause| {
+            let end = clause.end as usize;
             let line = text[end..].find('\n');
             line.map_or(text.len(), |length| end + length + 1)
         });
@@ -341,13 +340,7 @@ impl ItemCollector<'_> {
     /// Returns the kind of port that a definition in a device type is; `None` if it is no port.
     pub(super) fn port_kind(&self, id: DefId) -> Option<PortKind> {
         let span = self.analysis.index().def(id).span;
-        let devices = self.analysis.items().filter_map(|item| match &item.kind {
-            ItemKind::Device(device) if item.span.contains(span) => Some(device),
-            _ => None,
-        });
-        let mut sections = devices.flat_map(|device| &device.sections);
-        let section = sections.find(|section| section.span.contains(span));
-        section.map(|section| section.kind)
+        self.analysis.port_kind_at(span)
     }
 }
 

@@ -35,6 +35,7 @@ pub(crate) fn completion(
     world.completed = Some(at.text_document.uri);
     let places = world.locations(&seen);
     let offset = places.offset(at.position);
+    let _focus = seen.focus(offset);
     let text = seen.sources.text(FileId(0));
     let cursor = Cursor::from_offset(text, offset as usize, seen.mode())?;
     let follows_bracket = text[offset as usize..].starts_with(['(', '<']);

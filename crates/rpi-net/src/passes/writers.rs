@@ -249,7 +249,10 @@ fn in_text_order(
     [a, b]: [Resource; 2],
     [first, second]: [NodeId; 2],
 ) -> ([Resource; 2], [NodeId; 2]) {
-    let start = |node: NodeId| net.node(node).origin.span.start;
+    let start = |node: NodeId| {
+        let span = net.node(node).origin.span;
+        (span.file, span.start)
+    };
     match start(second) < start(first) {
         true => ([b, a], [second, first]),
         false => ([a, b], [first, second]),

@@ -24,15 +24,21 @@ mod calls;
 mod diagnostics;
 mod exprs;
 mod limits;
+mod reuse;
+mod reused_unit;
 mod signatures;
 mod task;
 mod types;
 
+use crate::check::reuse::Reuse;
 use crate::check::signatures::header::Header;
+pub(crate) use crate::check::signatures::static_args::StaticBindings;
 use crate::check::types::type_decls;
 use crate::elab::Argument;
+use crate::facts::Facts;
 use crate::hash::{FastMap, FastSet};
 use crate::program::{DeclId, DeclKind, Program};
+use crate::reuse::{ItemHash, UnitMemo};
 use crate::ty::Substitution;
 use crate::ty::Ty;
 use crate::ty::check_assignable;
@@ -57,11 +63,16 @@ pub(crate) use crate::check::signatures::static_params::{static_params, static_p
 #[derive(Debug)]
 pub struct CheckedProgram {
     /// Units of all declarations that are called or can be run: one for each choice of static arguments.
-    pub units: Vec<Unit>,
+    pub units: Vec<Rc<Unit>>,
     /// Declarations of the first module that need no static arguments, each with its unit, in declaration order.
     pub runnable: Vec<(DeclId, UnitId)>,
     /// All diagnostics of the program.
     pub diagnostics: Vec<Diagnostic>,
+    /// For each unit, a number that is the same in the next check if the unit is the same; 0 for a unit without one. Empty
+    /// unless units are reused.
+    pub versions: Vec<u64>,
+    /// For each unit, the facts about its flows, if they have been computed. Empty before the analysis.
+    pub facts: Vec<Option<Rc<Facts>>>,
     /// Values of the constants of the first module, by declaration.
     constants: BTreeMap<DeclId, Constant>,
 }
@@ -103,14 +114,60 @@ impl CheckedProgram {
 #[must_use]
 pub fn check(program: &Program<'_>) -> CheckedProgram {
     let mut checker = Checker::new(program);
+    let runnable = check_all(&mut checker);
+    finish(checker, runnable)
+}
+
+/// Checks a program like [`check`], and reuses the units of the last check with the same `memo` as far as they are valid.
+/// `hashes` are those of all declarations, in the order of [`Program::extents`].
+#[must_use]
+pub fn check_reusing(
+    program: &Program<'_>,
+    memo: &mut UnitMemo,
+    hashes: Rc<[ItemHash]>,
+) -> CheckedProgram {
+    let mut checker = Checker::new(program);
+    memo.begin(program, &hashes);
+    checker.reuse = Some(Box::new(Reuse::new(std::mem::take(memo), hashes.clone())));
+    let runnable = check_all(&mut checker);
+    let limit_is_reached = checker.has_reached_limit();
+    let Some(reuse) = checker.reuse.take() else {
+        return finish(checker, runnable);
+    };
+    *memo = reuse.memo;
+    if limit_is_reached {
+        memo.clear();
+        // Which declaration exceeds a limit depends on the order in which all units are checked.
+        if reuse.has_reused {
+            return check(program);
+        }
+    }
+    memo.end(program, &hashes, !reuse.is_tainted && !limit_is_reached);
+    let mut versions = reuse.versions;
+    versions.resize(checker.units.len(), 0);
+    CheckedProgram {
+        versions,
+        ..finish(checker, runnable)
+    }
+}
+
+/// Checks all declarations of the first module. Returns those that need no static arguments, with their units.
+fn check_all(checker: &mut Checker<'_>) -> Vec<(DeclId, UnitId)> {
+    let program = checker.program;
     let mut runnable = Vec::new();
-    crate::check::signatures::generic::check_generics(&mut checker);
+    crate::check::signatures::generic::check_generics(checker);
     for id in &program.root().decls {
         runnable.extend(checker.check_declaration(*id).map(|unit| (*id, unit)));
     }
-    crate::check::types::frame_placement::check_frame_placement(&mut checker);
-    crate::check::signatures::unit::check_queued(&mut checker);
-    crate::check::signatures::sample_check::check_samples(&mut checker);
+    crate::check::types::frame_placement::check_frame_placement(checker);
+    crate::check::signatures::unit::check_queued(checker);
+    crate::check::signatures::sample_check::check_samples(checker);
+    runnable
+}
+
+/// Adds the diagnostics about the program as a whole, and removes those that follow from others.
+fn finish(mut checker: Checker<'_>, runnable: Vec<(DeclId, UnitId)>) -> CheckedProgram {
+    let program = checker.program;
     checker.diagnostics.extend(program.ambiguous_name_errors());
     checker
         .diagnostics
@@ -133,10 +190,12 @@ pub fn check(program: &Program<'_>) -> CheckedProgram {
             _ => None,
         });
     CheckedProgram {
+        constants: root.collect(),
         units: checker.units,
         runnable,
         diagnostics: checker.diagnostics,
-        constants: root.collect(),
+        versions: Vec::new(),
+        facts: Vec::new(),
     }
 }
 
@@ -160,7 +219,7 @@ enum Lazy<T> {
 struct Checker<'a> {
     program: &'a Program<'a>,
     /// Typed units by index. A unit is empty until it is checked.
-    units: Vec<Unit>,
+    units: Vec<Rc<Unit>>,
     /// Units that have been created for declarations, and those that are still to be checked.
     instances: Instances,
     /// Size of the program so far, and its limits.
@@ -184,6 +243,8 @@ struct Checker<'a> {
     valueless_constants: BTreeMap<DeclId, Diagnostic>,
     /// Types that are declared with conditions that refer to earlier cycles, as by `pre`.
     temporal_types: BTreeSet<DeclId>,
+    /// Units of an earlier check that may be reused; `None` if there are none.
+    reuse: Option<Box<Reuse>>,
 }
 
 /// Instances of declarations: one unit for each declaration and choice of static arguments.
@@ -252,7 +313,17 @@ impl<'a> Checker<'a> {
             suggestion_budget: Cell::new(SUGGESTION_BUDGET),
             valueless_constants: BTreeMap::new(),
             temporal_types: BTreeSet::new(),
+            reuse: None,
         }
+    }
+
+    /// Returns whether the result depends on a limit of the whole program, or on the order in which the units are checked.
+    fn has_reached_limit(&self) -> bool {
+        self.limits.size_reported
+            || self.limits.nesting_reported
+            || self.suggestion_budget.get() == 0
+            || !self.valueless_constants.is_empty()
+            || !self.cyclic_aliases.is_empty()
     }
 
     pub(crate) fn is_lustre(&self, id: DeclId) -> bool {

@@ -41,6 +41,7 @@ use crate::typed::TypedKind;
 use crate::typed::{ExprId, FlowId, Unit};
 use rpi_diag::Diagnostic;
 use std::fmt::Write as _;
+use std::rc::Rc;
 
 /// Index of a clock in the table [`Clocks`] of a unit.
 #[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Debug)]
@@ -163,7 +164,7 @@ impl Clocks {
 /// Infers the clocks of a unit and reports mismatches. `units` are all units of the program, and `facts` are the
 /// results of the analysis for the units that this unit calls.
 #[must_use]
-pub fn infer(units: &[Unit], facts: &[Facts], unit: &Unit) -> (Clocks, Vec<Diagnostic>) {
+pub fn infer(units: &[Rc<Unit>], facts: &[Rc<Facts>], unit: &Unit) -> (Clocks, Vec<Diagnostic>) {
     match unit.has_clocks || calls_sampled(units, facts, unit) {
         true => solve::solve(units, facts, unit),
         false => (Clocks::default(), Vec::new()),
@@ -171,7 +172,7 @@ pub fn infer(units: &[Unit], facts: &[Facts], unit: &Unit) -> (Clocks, Vec<Diagn
 }
 
 /// Whether a unit calls a unit with sampled ports.
-fn calls_sampled(units: &[Unit], facts: &[Facts], unit: &Unit) -> bool {
+fn calls_sampled(units: &[Rc<Unit>], facts: &[Rc<Facts>], unit: &Unit) -> bool {
     unit.exprs.iter().any(|expr| match &expr.kind {
         TypedKind::Call(call) => {
             let callee = &units[call.unit.0 as usize];
@@ -186,7 +187,12 @@ fn calls_sampled(units: &[Unit], facts: &[Facts], unit: &Unit) -> bool {
 /// Returns a clock in the syntax of the source, such as `when c when not d`; empty for the base clock. `path` is the
 /// clock as samplings from the base clock on.
 #[must_use]
-pub fn format_clock(units: &[Unit], facts: &[Facts], unit: &Unit, path: &[Sampling]) -> String {
+pub fn format_clock(
+    units: &[Rc<Unit>],
+    facts: &[Rc<Facts>],
+    unit: &Unit,
+    path: &[Sampling],
+) -> String {
     let mut text = String::new();
     for tick in path {
         let _ = write!(
@@ -200,7 +206,12 @@ pub fn format_clock(units: &[Unit], facts: &[Facts], unit: &Unit, path: &[Sampli
 
 /// Returns the condition of a sampling in the syntax of the source: `c`, `not c` or `Value(c)`. A condition inside of a
 /// call is named after the called unit: `Call.c`.
-fn format_condition(units: &[Unit], facts: &[Facts], unit: &Unit, tick: Sampling) -> String {
+fn format_condition(
+    units: &[Rc<Unit>],
+    facts: &[Rc<Facts>],
+    unit: &Unit,
+    tick: Sampling,
+) -> String {
     let ClockCondition::Flow(flow) = tick.condition else {
         return format_call_condition(units, facts, unit, tick);
     };
@@ -218,7 +229,12 @@ fn format_condition(units: &[Unit], facts: &[Facts], unit: &Unit, tick: Sampling
     }
 }
 
-fn format_call_condition(units: &[Unit], facts: &[Facts], unit: &Unit, tick: Sampling) -> String {
+fn format_call_condition(
+    units: &[Rc<Unit>],
+    facts: &[Rc<Facts>],
+    unit: &Unit,
+    tick: Sampling,
+) -> String {
     let ClockCondition::CallInternal(call, number) = tick.condition else {
         return String::new();
     };

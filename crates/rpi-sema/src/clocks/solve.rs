@@ -10,11 +10,12 @@ use crate::hash::FastMap;
 use crate::typed::TypedKind;
 use crate::typed::{Equation, ExprId, FlowId, FlowPresence, FlowRole, TargetPlace, Unit};
 use rpi_diag::Diagnostic;
+use std::rc::Rc;
 
 /// State of the inference of clocks for one unit, with what the inference reads.
 pub(super) struct Solver<'u> {
-    pub(super) units: &'u [Unit],
-    pub(super) facts: &'u [Facts],
+    pub(super) units: &'u [Rc<Unit>],
+    pub(super) facts: &'u [Rc<Facts>],
     pub(super) unit: &'u Unit,
     pub(super) borders: InactiveBlocks<'u>,
     pub(super) reads: Dependents<'u>,
@@ -46,7 +47,11 @@ pub(super) struct Solver<'u> {
 
 /// Infers the clocks of a unit and checks them. Returns the clocks and the diagnostics about mismatches. `facts` are
 /// the results of the analysis of all units, by index.
-pub(super) fn solve(units: &[Unit], facts: &[Facts], unit: &Unit) -> (Clocks, Vec<Diagnostic>) {
+pub(super) fn solve(
+    units: &[Rc<Unit>],
+    facts: &[Rc<Facts>],
+    unit: &Unit,
+) -> (Clocks, Vec<Diagnostic>) {
     let mut solver = Solver::new(units, facts, unit);
     solver.init_declared();
     solver.resolve_equation();
@@ -59,7 +64,7 @@ pub(super) fn solve(units: &[Unit], facts: &[Facts], unit: &Unit) -> (Clocks, Ve
 }
 
 impl<'u> Solver<'u> {
-    fn new(units: &'u [Unit], facts: &'u [Facts], unit: &'u Unit) -> Self {
+    fn new(units: &'u [Rc<Unit>], facts: &'u [Rc<Facts>], unit: &'u Unit) -> Self {
         let reads = Dependents::new(unit);
         let mut defined = vec![Vec::new(); unit.flows.len()];
         for (k, definition) in (0u32..).zip(&reads.definitions) {

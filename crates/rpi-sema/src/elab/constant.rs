@@ -24,7 +24,7 @@ pub(crate) enum NotConstantError {
 /// Evaluates a constant expression of a unit and returns the values of its leaves (scalar parts), or the reason why it
 /// has no value.
 pub(crate) fn evaluate_constant(
-    units: &[Unit],
+    units: &[Rc<Unit>],
     unit: &Unit,
     id: ExprId,
 ) -> Result<Rc<[Leaf]>, NotConstantError> {
@@ -34,7 +34,12 @@ pub(crate) fn evaluate_constant(
 /// Evaluates an expression that depends only on the unit's parameters, of which the first have the values `args`. The
 /// result is unknown if the expression has no value.
 #[must_use]
-pub fn evaluate_argument(units: &[Unit], unit: &Unit, id: ExprId, args: &[Argument]) -> Argument {
+pub fn evaluate_argument(
+    units: &[Rc<Unit>],
+    unit: &Unit,
+    id: ExprId,
+    args: &[Argument],
+) -> Argument {
     match constant_with(units, unit, id, args) {
         Ok(leaves) => Argument::Value(leaves.to_vec()),
         Err(_) => Argument::Unknown,
@@ -42,7 +47,7 @@ pub fn evaluate_argument(units: &[Unit], unit: &Unit, id: ExprId, args: &[Argume
 }
 
 fn constant_with(
-    units: &[Unit],
+    units: &[Rc<Unit>],
     unit: &Unit,
     id: ExprId,
     args: &[Argument],

@@ -21,6 +21,7 @@ use rpi_diag::{Code, Diagnostic};
 use rpi_image::{Scalar, Value};
 use rpi_net::{ExportPort, Input, Net, Origin, ResultKind, ResultPort, Termination};
 use rpi_syntax::ast::CommandEndKind;
+use std::rc::Rc;
 
 /// Index of the output of an input primitive with the time at which the input was last written. The output is absent
 /// before the first write.
@@ -86,8 +87,8 @@ pub struct ElaboratedUnit {
 /// `claims` is the treatment of assertions and contracts.
 #[must_use]
 pub fn elaborate(
-    units: &[Unit],
-    facts: &[Facts],
+    units: &[Rc<Unit>],
+    facts: &[Rc<Facts>],
     id: UnitId,
     args: &[Argument],
     claims: ClaimPolicy,
@@ -99,8 +100,8 @@ pub fn elaborate(
 /// flows of the net.
 #[must_use]
 pub fn elaborate_watched(
-    units: &[Unit],
-    facts: &[Facts],
+    units: &[Rc<Unit>],
+    facts: &[Rc<Facts>],
     id: UnitId,
     args: &[Argument],
     claims: ClaimPolicy,
@@ -119,8 +120,8 @@ pub fn elaborate_watched(
 /// it.
 #[must_use]
 pub fn elaborate_dependency_steps(
-    units: &[Unit],
-    facts: &[Facts],
+    units: &[Rc<Unit>],
+    facts: &[Rc<Facts>],
     id: UnitId,
     args: &[Argument],
 ) -> Net {
@@ -132,8 +133,8 @@ pub fn elaborate_dependency_steps(
 /// never take are included.
 #[must_use]
 pub fn has_hidden_dependency_cycle(
-    units: &[Unit],
-    facts: &[Facts],
+    units: &[Rc<Unit>],
+    facts: &[Rc<Facts>],
     id: UnitId,
     args: &[Argument],
 ) -> bool {
@@ -145,8 +146,8 @@ pub fn has_hidden_dependency_cycle(
 /// be observed.
 #[must_use]
 pub fn elaborate_node(
-    units: &[Unit],
-    facts: &[Facts],
+    units: &[Rc<Unit>],
+    facts: &[Rc<Facts>],
     id: UnitId,
     claims: ClaimPolicy,
     locals: bool,
@@ -158,8 +159,8 @@ pub fn elaborate_node(
 /// Parameters of one elaboration: the units with the results of their analyses, the unit to be elaborated, and its
 /// arguments.
 struct Elaboration<'u, 'a> {
-    units: &'u [Unit],
-    facts: &'u [Facts],
+    units: &'u [Rc<Unit>],
+    facts: &'u [Rc<Facts>],
     id: UnitId,
     args: &'a [Argument],
     claims: ClaimPolicy,
@@ -171,8 +172,8 @@ struct Elaboration<'u, 'a> {
 
 impl<'u, 'a> Elaboration<'u, 'a> {
     fn new(
-        units: &'u [Unit],
-        facts: &'u [Facts],
+        units: &'u [Rc<Unit>],
+        facts: &'u [Rc<Facts>],
         id: UnitId,
         args: &'a [Argument],
         claims: ClaimPolicy,

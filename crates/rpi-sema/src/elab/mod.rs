@@ -124,8 +124,8 @@ impl Position {
 
 /// State of the elaboration of one net, or of the evaluation of one constant.
 struct Elaborator<'u> {
-    units: &'u [Unit],
-    facts: &'u [Facts],
+    units: &'u [Rc<Unit>],
+    facts: &'u [Rc<Facts>],
     mode: ElabMode,
     net: Net,
     aliases: Aliases,
@@ -225,7 +225,7 @@ struct Naming {
 pub(crate) const MAX_DEPTH: usize = 400;
 
 impl<'u> Elaborator<'u> {
-    fn new(units: &'u [Unit], facts: &'u [Facts], mode: ElabMode) -> Self {
+    fn new(units: &'u [Rc<Unit>], facts: &'u [Rc<Facts>], mode: ElabMode) -> Self {
         Elaborator {
             units,
             facts,

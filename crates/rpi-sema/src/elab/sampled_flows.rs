@@ -19,6 +19,7 @@ use rpi_diag::Span;
 use rpi_image::{Scalar, Value};
 use rpi_net::prim;
 use rpi_net::{FragmentId, PortRef, Restart};
+use std::rc::Rc;
 
 /// Key of the fragment with the operations that run when a clock ticks: the parent fragment, the signal of the clock
 /// condition, and its value when the clock ticks.
@@ -100,7 +101,8 @@ pub(super) fn clock_position<'u>(
 
 pub(super) fn facts_of<'u>(elab: &Elaborator<'u>, scope: &Scope<'u>) -> Option<&'u Facts> {
     let facts = elab.facts;
-    scope.id.and_then(|unit| facts.get(unit.0 as usize))
+    let facts = scope.id.and_then(|unit| facts.get(unit.0 as usize));
+    facts.map(Rc::as_ref)
 }
 
 /// Returns the results of the clock and presence analysis if the unit has sampled flows; `None` for other units and for

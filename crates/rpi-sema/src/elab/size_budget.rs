@@ -4,6 +4,7 @@ use crate::program::Program;
 use crate::typed::Unit;
 use rpi_diag::{Code, Diagnostic, Span};
 use std::cell::Cell;
+use std::rc::Rc;
 
 /// Number of net nodes that every program may have, in addition to those that the length of its text allows.
 const BASE_BUDGET: usize = 240_000;
@@ -32,7 +33,7 @@ pub struct SizeBudget {
 impl SizeBudget {
     /// Creates the budget of a program from the length of its text and the number of its steps.
     #[must_use]
-    pub fn for_program(program: &Program<'_>, units: &[Unit]) -> SizeBudget {
+    pub fn for_program(program: &Program<'_>, units: &[Rc<Unit>]) -> SizeBudget {
         let steps: usize = units.iter().map(|unit| unit.steps.len()).sum();
         SizeBudget {
             remaining: Cell::new(

@@ -15,4 +15,5 @@ pub(crate) mod takeover;
 pub(crate) use crate::facts::dependents::{Definition, Dependents};
 pub(crate) use crate::facts::exclusive_fragments::literal;
 pub use absence::Absence;
-pub use presence::{Facts, analyse};
+pub(crate) use presence::callees_first;
+pub use presence::{Facts, FactsMemo, analyse, analyse_rest, analyse_reusing};

@@ -7,11 +7,13 @@ use crate::clocks::{self, ClockId, Clocks, InactiveBlocks};
 use crate::facts::Absence;
 use crate::facts::dependents::Definition;
 use crate::facts::dependents::Dependents;
+use crate::reuse::Memo;
 use crate::typed::{Activation, ElementwiseOp, TypedKind};
 use crate::typed::{BlockId, ExprId, FlowId, FlowPresence, TargetPlace, Unit};
 use rpi_diag::suppression::{self, Cause, suppress};
 use rpi_diag::{Diagnostic, Severity};
 use rpi_image::Presence;
+use std::rc::Rc;
 
 /// Results of the analyses of a unit: the clocks of its values, and which values may be absent.
 #[derive(Clone, Debug, Default)]
@@ -40,31 +42,68 @@ impl Facts {
     }
 }
 
+/// Results of the analysis of each unit, with its diagnostics.
+pub type FactsMemo = Memo<(Rc<Facts>, Vec<Diagnostic>)>;
+
 /// Infers clocks and absence in the units for which `sound` is true, those without type errors. Returns the results for
 /// all units, by index, and the diagnostics.
 #[must_use]
-pub fn analyse(units: &[Unit], sound: &[bool]) -> (Vec<Facts>, Vec<Diagnostic>) {
+pub fn analyse(units: &[Rc<Unit>], sound: &[bool]) -> (Vec<Rc<Facts>>, Vec<Diagnostic>) {
+    analyse_reusing(units, sound, &[], &mut FactsMemo::default())
+}
+
+/// Returns the results of [`analyse`], and reuses those of the last analysis with the same `memo`. `versions` has for each
+/// unit a number that is the same if the unit and all that it calls are the same; 0 if the results must not be reused.
+#[must_use]
+pub fn analyse_reusing(
+    units: &[Rc<Unit>],
+    sound: &[bool],
+    versions: &[u64],
+    memo: &mut FactsMemo,
+) -> (Vec<Rc<Facts>>, Vec<Diagnostic>) {
     let mut all: Vec<Vec<Diagnostic>> = vec![Vec::new(); units.len()];
-    let mut facts = vec![Facts::default(); units.len()];
+    let none = Rc::new(Facts::default());
+    let mut facts: Vec<Rc<Facts>> = units.iter().map(|_| none.clone()).collect();
     for at in callees_first(units) {
         if sound.get(at).copied().unwrap_or(false) {
-            let (found, mut diagnostics) = compute_unit_properties(units, &facts, &units[at]);
-            diagnostics.sort_by_key(Diagnostic::span);
+            let version = versions.get(at).copied().unwrap_or(0);
+            let (found, diagnostics) = memo.get_or_compute(version, || {
+                let (found, mut diagnostics) = compute_unit_properties(units, &facts, &units[at]);
+                diagnostics.sort_by_key(Diagnostic::span);
+                (Rc::new(found), diagnostics)
+            });
             facts[at] = found;
             all[at] = diagnostics;
         }
     }
+    memo.end_round();
     let mut diagnostics: Vec<Diagnostic> = all.into_iter().flatten().collect();
-    for task in units {
+    for task in units.iter().filter(|unit| !unit.steps.is_empty()) {
         crate::facts::takeover::value_sources(units, &facts, task, &mut diagnostics);
     }
     (facts, diagnostics)
 }
 
+/// Returns the results for all units, also for those with errors. `known` has those that an analysis has computed.
+#[must_use]
+pub fn analyse_rest(units: &[Rc<Unit>], known: &[Option<Rc<Facts>>]) -> Vec<Rc<Facts>> {
+    let none = Rc::new(Facts::default());
+    let known = |at: usize| known.get(at).cloned().flatten();
+    let mut facts: Vec<Rc<Facts>> = (0..units.len())
+        .map(|at| known(at).unwrap_or_else(|| none.clone()))
+        .collect();
+    for at in callees_first(units) {
+        if known(at).is_none() {
+            facts[at] = Rc::new(compute_unit_properties(units, &facts, &units[at]).0);
+        }
+    }
+    facts
+}
+
 /// Returns the results of the analyses of one unit. `facts` must have the results for the units that it calls.
 fn compute_unit_properties(
-    units: &[Unit],
-    facts: &[Facts],
+    units: &[Rc<Unit>],
+    facts: &[Rc<Facts>],
     unit: &Unit,
 ) -> (Facts, Vec<Diagnostic>) {
     let (clocks, mut diagnostics) = clocks::infer(units, facts, unit);
@@ -92,7 +131,7 @@ fn compute_unit_properties(
 }
 
 /// Returns the indices of the units, each after the units that it calls. A recursion is cut at an arbitrary unit.
-fn callees_first(units: &[Unit]) -> Vec<usize> {
+pub(crate) fn callees_first(units: &[Rc<Unit>]) -> Vec<usize> {
     let mut order = Vec::with_capacity(units.len());
     let mut met = vec![false; units.len()];
     for start in 0..units.len() {
@@ -128,8 +167,8 @@ fn remove_consequences(absent: &mut Vec<Diagnostic>, mismatches: &[Diagnostic]) 
 
 /// State of inferring which values of one unit can be absent.
 pub(super) struct PresenceInference<'u> {
-    pub(super) units: &'u [Unit],
-    pub(super) facts: &'u [Facts],
+    pub(super) units: &'u [Rc<Unit>],
+    pub(super) facts: &'u [Rc<Facts>],
     pub(super) unit: &'u Unit,
     pub(super) clocks: &'u Clocks,
     /// For each expression, which of its leaves can be absent. Empty until `solve` starts.
@@ -139,7 +178,12 @@ pub(super) struct PresenceInference<'u> {
 }
 
 impl<'u> PresenceInference<'u> {
-    fn new(units: &'u [Unit], facts: &'u [Facts], unit: &'u Unit, clocks: &'u Clocks) -> Self {
+    fn new(
+        units: &'u [Rc<Unit>],
+        facts: &'u [Rc<Facts>],
+        unit: &'u Unit,
+        clocks: &'u Clocks,
+    ) -> Self {
         let declared = |optional: FlowPresence| match optional {
             FlowPresence::Declared(optional) => Absence::Uniform(optional),
             FlowPresence::Inferred => Absence::NEVER,

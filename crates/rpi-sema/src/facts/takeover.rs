@@ -5,11 +5,12 @@ use crate::clocks::ClockId;
 use crate::facts::Facts;
 use crate::typed::{BlockId, Export, FlowPresence, TakenOverValue, TaskStep, Unit};
 use rpi_diag::{Code, Diagnostic};
+use std::rc::Rc;
 
 /// Reports values that commands of a task take over from preceding commands and that must be present but may be absent.
 pub(super) fn value_sources(
-    units: &[Unit],
-    facts: &[Facts],
+    units: &[Rc<Unit>],
+    facts: &[Rc<Facts>],
     task: &Unit,
     diagnostics: &mut Vec<Diagnostic>,
 ) {
@@ -30,12 +31,12 @@ pub(super) fn value_sources(
 
 /// Returns whether the value that a command takes over must be present, because the command does not declare it
 /// optional.
-fn must_be_present(units: &[Unit], step: &TaskStep, handed: &TakenOverValue) -> bool {
+fn must_be_present(units: &[Rc<Unit>], step: &TaskStep, handed: &TakenOverValue) -> bool {
     let flow = units[step.unit.0 as usize].flow(handed.flow);
     flow.optional != FlowPresence::Declared(true)
 }
 
-fn may_be_absent(units: &[Unit], facts: &[Facts], handed: &TakenOverValue) -> bool {
+fn may_be_absent(units: &[Rc<Unit>], facts: &[Rc<Facts>], handed: &TakenOverValue) -> bool {
     let (facts, value) = (
         &facts[handed.predecessor.0 as usize],
         export(units, handed).value,
@@ -49,13 +50,13 @@ fn may_be_absent(units: &[Unit], facts: &[Facts], handed: &TakenOverValue) -> bo
 }
 
 /// Returns the export of the preceding command that provides a value that is taken over.
-fn export<'u>(units: &'u [Unit], handed: &TakenOverValue) -> &'u Export {
+fn export<'u>(units: &'u [Rc<Unit>], handed: &TakenOverValue) -> &'u Export {
     &units[handed.predecessor.0 as usize]
         .block(BlockId::ROOT)
         .exports[handed.export]
 }
 
-fn absent(units: &[Unit], step: &TaskStep, handed: &TakenOverValue) -> Diagnostic {
+fn absent(units: &[Rc<Unit>], step: &TaskStep, handed: &TakenOverValue) -> Diagnostic {
     let to = &units[step.unit.0 as usize];
     let (flow, export) = (to.flow(handed.flow), export(units, handed));
     let name = &flow.name;

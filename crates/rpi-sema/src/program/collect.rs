@@ -50,6 +50,7 @@ impl<'a> Program<'a> {
             library,
             arm_axes: None,
             extents: collector.extents,
+            first_parts: Vec::new(),
         };
         (program, collector.diagnostics)
     }
@@ -230,6 +231,7 @@ impl<'a> Collector<'a> {
             doc,
             module,
             mode: self.mode,
+            item: u32::try_from(self.extents.len().saturating_sub(1)).unwrap_or(u32::MAX),
             kind,
         });
         let id = last_id(&self.decls);

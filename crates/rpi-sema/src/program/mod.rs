@@ -6,13 +6,15 @@
 
 mod collect;
 mod lookup;
+mod used_modules;
 
 pub(crate) use collect::duplicate_name_error;
 
 pub use lookup::Lookup;
+pub(crate) use used_modules::UsedModules;
 
 use crate::hash::FastMap;
-use rpi_diag::Span;
+use rpi_diag::{FileId, Span};
 use rpi_syntax::ast::{
     CommandDecl, ConstDef, DeclaredKind, DeviceDecl, Doc, File, FragmentDecl, FrameDecl, Item,
     ItemKind, NodeDecl, NodeKind, PrimitiveDecl, TaskDecl, TestDecl, TypeDef,
@@ -55,6 +57,8 @@ pub struct Decl<'a> {
     pub module: ModuleId,
     /// Language of the file that contains the declaration: RPI or Lustre.
     pub mode: Dialect,
+    /// Index of the top-level declaration that declares the name, in the order of [`Program::extents`].
+    pub item: u32,
     /// Kind and syntax tree of the declaration.
     pub kind: DeclKind<'a>,
 }
@@ -200,6 +204,8 @@ pub struct Program<'a> {
     pub arm_axes: Option<u32>,
     /// Locations of all declarations as a whole, in the order of the files.
     pub extents: Vec<Extent>,
+    /// For files that are parsed in parts, the identifiers of their first parts, in ascending order; empty otherwise.
+    pub first_parts: Vec<FileId>,
 }
 
 /// Location of a declaration as a whole, including its body.
@@ -269,6 +275,16 @@ impl<'a> Program<'a> {
     pub fn text_len(&self) -> usize {
         let lengths = self.extents.iter().map(|extent| extent.span);
         lengths.map(|span| (span.end - span.start) as usize).sum()
+    }
+
+    /// Returns the location of the start of the file that contains `place`.
+    #[must_use]
+    pub(crate) fn start_of_file(&self, place: Span) -> Span {
+        let next = self
+            .first_parts
+            .partition_point(|first| *first <= place.file);
+        let first = next.checked_sub(1).map(|at| self.first_parts[at]);
+        Span::new(first.unwrap_or(place.file), 0, 0)
     }
 
     /// Returns the root module, the module of the file that was compiled. The other modules are those that it uses.

@@ -65,7 +65,32 @@ impl Index {
     /// Builds the index of a program. `sources` must be those from which the program was collected.
     #[must_use]
     pub fn build<'a>(program: &Program<'a>, sources: &[Source<'a>]) -> Index {
-        crate::query::build::build(program, sources)
+        crate::query::build::build(program, sources, None)
+    }
+
+    /// Builds the index of a program without the content of the bodies of nodes and tests, except for the declaration that
+    /// contains `focus`. It has all definitions that are visible there.
+    #[must_use]
+    pub fn build_around<'a>(program: &Program<'a>, sources: &[Source<'a>], focus: Span) -> Index {
+        crate::query::build::build(program, sources, Some(focus))
+    }
+
+    /// Replaces all locations by the results of `change`, which must preserve their order.
+    pub fn change_spans(&mut self, change: impl Fn(Span) -> Span) {
+        for def in &mut self.defs {
+            def.span = change(def.span);
+            def.full_span = change(def.full_span);
+            def.ty = def.ty.map(&change);
+        }
+        for reference in &mut self.references {
+            reference.span = change(reference.span);
+        }
+        for scope in &mut self.scopes {
+            scope.span = change(scope.span);
+        }
+        for (file, _) in &mut self.files {
+            *file = change(Span::new(*file, 0, 0)).file;
+        }
     }
 
     /// Returns the definition with this index.

@@ -8,6 +8,7 @@ use crate::typed::Expr;
 use crate::typed::{ExprId, Flow, FlowId, FlowPresence, Unit};
 use rpi_diag::{FileId, Span};
 use std::collections::BTreeMap;
+use std::rc::Rc;
 
 /// Type of a flow or expression, with whether it may be absent.
 #[derive(Clone, PartialEq, Debug)]
@@ -27,7 +28,7 @@ impl std::fmt::Display for FlowType {
 /// Returns the types of all flows, by the location of the flow's name in its declaration. A flow of a generic node may
 /// have several types, one for each instance.
 #[must_use]
-pub fn flow_types(units: &[Unit], facts: &[Facts]) -> BTreeMap<Span, Vec<FlowType>> {
+pub fn flow_types(units: &[Rc<Unit>], facts: &[Rc<Facts>]) -> BTreeMap<Span, Vec<FlowType>> {
     let mut types: BTreeMap<Span, Vec<FlowType>> = BTreeMap::new();
     for (unit, facts) in units.iter().zip(facts) {
         for (id, flow) in (0..).map(FlowId).zip(&unit.flows) {
@@ -57,7 +58,7 @@ fn flow_type(flow: &Flow, id: FlowId, facts: &Facts) -> FlowType {
 /// with the name. Several instances of a node may give several types. A flow of a fragment is always present inside of
 /// the fragment and may be absent outside of it.
 #[must_use]
-pub fn read_types(units: &[Unit], facts: &[Facts], name: Span) -> Vec<FlowType> {
+pub fn read_types(units: &[Rc<Unit>], facts: &[Rc<Facts>], name: Span) -> Vec<FlowType> {
     let ends = |e: &Expr| {
         let span = e.span;
         span.file == name.file && span.start <= name.start && span.end == name.end
@@ -72,8 +73,8 @@ pub fn read_types(units: &[Unit], facts: &[Facts], name: Span) -> Vec<FlowType> 
 /// instances of a node may give several types. `None` if there is no expression.
 #[must_use]
 pub fn type_at(
-    units: &[Unit],
-    facts: &[Facts],
+    units: &[Rc<Unit>],
+    facts: &[Rc<Facts>],
     file: FileId,
     offset: u32,
 ) -> Option<(Span, Vec<FlowType>)> {
@@ -87,7 +88,7 @@ pub fn type_at(
 
 /// Returns the types of the outermost expression with exactly this span. Several instances of a node may give several
 /// types.
-fn types_of_span(units: &[Unit], facts: &[Facts], span: Span) -> Vec<FlowType> {
+fn types_of_span(units: &[Rc<Unit>], facts: &[Rc<Facts>], span: Span) -> Vec<FlowType> {
     let mut types = Vec::new();
     for (unit, facts) in units.iter().zip(facts) {
         let all = (0..).map(ExprId).zip(&unit.exprs);

@@ -11,7 +11,7 @@ use rpi_prims::PrimId;
 use std::rc::Rc;
 
 /// Expression of a unit after type checking, with its operands as indices of other expressions.
-#[derive(Clone, Debug)]
+#[derive(Clone, PartialEq, Debug)]
 pub struct Expr {
     /// Kind of the expression, with its operands.
     pub kind: TypedKind,
@@ -22,7 +22,7 @@ pub struct Expr {
 }
 
 /// Kind of a typed expression, with its operands.
-#[derive(Clone, Debug)]
+#[derive(Clone, PartialEq, Debug)]
 pub enum TypedKind {
     /// Expression with an error that has been reported.
     Error,
@@ -133,7 +133,7 @@ pub enum ElementwiseOp {
 }
 
 /// Call of a primitive (basic operation) of the registry, with its arguments.
-#[derive(Clone, Debug)]
+#[derive(Clone, PartialEq, Debug)]
 pub struct PrimCall {
     /// Primitive that is called.
     pub prim: PrimId,
@@ -145,7 +145,7 @@ pub struct PrimCall {
 }
 
 /// Call of a function, node or fragment, with arguments that have been checked.
-#[derive(Clone, Debug)]
+#[derive(Clone, PartialEq, Debug)]
 pub struct Call {
     /// Called unit, for the static arguments of the call.
     pub unit: UnitId,
@@ -157,7 +157,7 @@ pub struct Call {
 }
 
 /// Cycles in which a called unit runs, and cycles in which its state restarts.
-#[derive(Clone, Debug)]
+#[derive(Clone, PartialEq, Debug)]
 pub enum Activation {
     /// The unit runs in every cycle of the code that contains the call.
     Always,

@@ -39,7 +39,7 @@ pub enum FlowPresence {
 
 /// Named value of a unit: a port, a parameter or a local flow. Except for parameters, the value changes from cycle to
 /// cycle.
-#[derive(Clone, Debug)]
+#[derive(Clone, PartialEq, Debug)]
 pub struct Flow {
     /// Name of the flow.
     pub name: Name,

@@ -75,7 +75,7 @@ impl UnitKind {
 }
 
 /// Typed form of a callable, such as a node or command, for one choice of static arguments.
-#[derive(Clone, Debug)]
+#[derive(Clone, PartialEq, Debug)]
 pub struct Unit {
     /// Name of the callable with the chosen static arguments.
     pub name: Name,
@@ -118,7 +118,7 @@ pub struct Unit {
 
 /// Part of a unit with its own names and equations: the body, an inline fragment, a state of an automaton, or a
 /// contract.
-#[derive(Clone, Debug)]
+#[derive(Clone, PartialEq, Debug)]
 pub struct Block {
     /// Name of the fragment or state; empty for the body of the unit.
     pub name: Name,
@@ -147,7 +147,7 @@ pub struct Block {
 }
 
 /// Equation such as `x, arm.tcp = e`.
-#[derive(Clone, Debug)]
+#[derive(Clone, PartialEq, Debug)]
 pub struct Equation {
     /// Targets in order. Together they take all leaves (scalar parts) of the value.
     pub targets: Vec<Target>,
@@ -158,7 +158,7 @@ pub struct Equation {
 }
 
 /// Flow, part of a flow, or actuator port on the left side of an equation.
-#[derive(Clone, Debug)]
+#[derive(Clone, PartialEq, Debug)]
 pub struct Target {
     /// Flow or port that the equation defines.
     pub place: TargetPlace,
@@ -191,7 +191,7 @@ pub enum TargetPlace {
 }
 
 /// Assertion or clause of a contract: a condition that is stated to hold in every cycle.
-#[derive(Clone, Debug)]
+#[derive(Clone, PartialEq, Debug)]
 pub struct Claim {
     /// Kind of the claim. The kind decides who must ensure the condition: the caller or the body.
     pub kind: ClaimKind,
@@ -206,7 +206,7 @@ pub struct Claim {
 }
 
 /// Statement that ends a command, such as `finish result when condition`.
-#[derive(Clone, Debug)]
+#[derive(Clone, PartialEq, Debug)]
 pub struct End {
     /// Kind of the statement: `finish`, `yield` or `fail`.
     pub kind: rpi_syntax::ast::CommandEndKind,
@@ -219,7 +219,7 @@ pub struct End {
 }
 
 /// Flow that a command exports, with the key under which it is read.
-#[derive(Clone, Debug)]
+#[derive(Clone, PartialEq, Debug)]
 pub struct Export {
     /// Name under which the host reads the exported flow.
     pub key: String,
@@ -230,7 +230,7 @@ pub struct Export {
 }
 
 /// Automaton (state machine) of a block. In each cycle, exactly one state is active. Each state is a block.
-#[derive(Clone, Debug)]
+#[derive(Clone, PartialEq, Debug)]
 pub struct Automaton {
     /// States in text order. The first one need not be the initial one.
     pub states: Vec<State>,
@@ -243,7 +243,7 @@ pub struct Automaton {
 }
 
 /// State of an automaton, with the transitions out of it.
-#[derive(Clone, Debug)]
+#[derive(Clone, PartialEq, Debug)]
 pub struct State {
     /// Block with the equations of the state. The conditions of its weak transitions are evaluated in it.
     pub block: BlockId,
@@ -254,7 +254,7 @@ pub struct State {
 }
 
 /// Transition from one state of an automaton to another.
-#[derive(Clone, Debug)]
+#[derive(Clone, PartialEq, Debug)]
 pub struct Transition {
     /// Condition of the transition; `None` if it is always taken when no earlier transition is.
     pub condition: Option<ExprId>,
@@ -267,7 +267,7 @@ pub struct Transition {
 }
 
 /// Flow outside of an automaton that several of its states define. Each such state has a local version of the flow.
-#[derive(Clone, Debug)]
+#[derive(Clone, PartialEq, Debug)]
 pub struct SharedFlow {
     /// Flow as it is read outside of the automaton.
     pub flow: FlowId,

@@ -5,7 +5,7 @@ use crate::typed::{ExprId, FlowId, UnitId};
 use rpi_diag::Span;
 
 /// Step of a task after checking: the command or task that it runs, with its arguments.
-#[derive(Clone, Debug)]
+#[derive(Clone, PartialEq, Debug)]
 pub struct TaskStep {
     /// Location of the name of the command or task in the step.
     pub span: Span,
@@ -20,7 +20,7 @@ pub struct TaskStep {
 }
 
 /// Value that a command takes over (`given`) from a command that runs before it (M7.3).
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, PartialEq, Debug)]
 pub struct TakenOverValue {
     /// Flow of the command that takes over the value, which gets the value.
     pub flow: FlowId,

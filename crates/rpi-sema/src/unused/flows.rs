@@ -11,16 +11,17 @@ use rpi_diag::{Diagnostic, Span};
 use rpi_net::passes::mark_live::has_effect;
 use rpi_net::passes::unused_flows::unused;
 use std::collections::{BTreeMap, BTreeSet};
+use std::rc::Rc;
 
 /// Returns a warning for each local flow of the first module that nothing reads, in any instance of its unit. A leading
 /// `_` in the name suppresses the warning.
-pub(super) fn unread(program: &Program<'_>, units: &[Unit]) -> Vec<Diagnostic> {
+pub(super) fn unread(program: &Program<'_>, units: &[Rc<Unit>]) -> Vec<Diagnostic> {
     let decls = program.root().decls.iter();
     let own: FastSet<Span> = decls.map(|id| program.decl(*id).span).collect();
     let of_tasks = |unit: &Unit| matches!(unit.kind, UnitKind::Task | UnitKind::Constant);
     let units = units.iter();
     let units = units.filter(|unit| own.contains(&unit.span) && !of_tasks(unit));
-    let units: Vec<(&Unit, Vec<bool>)> = units.map(|unit| (unit, read(unit))).collect();
+    let units: Vec<(&Unit, Vec<bool>)> = units.map(|unit| (&**unit, read(unit))).collect();
     let mut unread = local_flow_spans(&units, false).collect::<BTreeSet<Span>>();
     if unread.is_empty() {
         return Vec::new();

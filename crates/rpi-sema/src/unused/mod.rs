@@ -20,10 +20,11 @@ use crate::typed::Unit;
 use rpi_diag::Diagnostic;
 use rpi_syntax::Dialect;
 use rpi_syntax::ast::{Visitor, Walker};
+use std::rc::Rc;
 
 /// Returns warnings about unused parts of the first module: modules, local flows, parameters, states and steps.
 #[must_use]
-pub fn unused_warnings(program: &Program<'_>, units: &[Unit]) -> Vec<Diagnostic> {
+pub fn unused_warnings(program: &Program<'_>, units: &[Rc<Unit>]) -> Vec<Diagnostic> {
     let mut diagnostics: Vec<Diagnostic> = program.unused_module_warnings().collect();
     // Ports of Lustre programs are often fixed by another tool or model, so they are not checked.
     if program.root().mode == Dialect::Rpi {

@@ -5,6 +5,7 @@ use crate::check::bodies::body::Body;
 use crate::check::bodies::inference_errors::report_uninferred;
 use crate::check::calls::prim_ports::resolve_port_type;
 use crate::check::diagnostics::report;
+use crate::check::reuse;
 use crate::hash::FastSet;
 use crate::ty::Ty;
 use crate::typed::{BlockId, ExprId, FlowId, TargetPlace};
@@ -19,9 +20,13 @@ pub(crate) fn infer_none_types(cx: &mut Body<'_, '_>) {
         .diagnostics
         .iter()
         .any(|diagnostic| is_error(&diagnostic));
-    let mut around = cx.checker.diagnostics.iter().filter(is_error);
+    if here || !has_untyped_none(cx) {
+        return;
+    }
     // An expression with an error has no type either, so nothing is reported after other errors.
-    if !has_untyped_none(cx) || here || around.any(|error| error.code != Code::RPI2007) {
+    let follows_error = reuse::has_error(&cx.checker.diagnostics);
+    reuse::record_error_dependence(cx.checker, follows_error);
+    if follows_error {
         return;
     }
     for (id, ty) in context_types(cx) {

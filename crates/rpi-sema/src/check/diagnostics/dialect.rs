@@ -12,6 +12,7 @@ use crate::typed::{Equation, ExprId, FlowId, Leaf, TargetPlace, Unit};
 use rpi_diag::{Code, Diagnostic, Quote, Span};
 use rpi_net::prim;
 use rpi_prims::PrimId;
+use std::rc::Rc;
 
 /// Integer division: its primitive, its operator, and an example with a negative dividend with its result in this
 /// language and in Kind 2.
@@ -36,10 +37,10 @@ const LOWER_BOUND_TESTS: &[PrimId] = &[prim!("Core::IntGreater"), prim!("Rpi::In
 
 /// Returns a warning for the first integer division in Lustre whose dividend may be negative, because the result then
 /// differs between Lustre compilers; `None` if there is no such division.
-pub(crate) fn check(units: &[Unit]) -> Option<Diagnostic> {
+pub(crate) fn check(units: &[Rc<Unit>]) -> Option<Diagnostic> {
     let units = units.iter().filter(|unit| unit.is_lustre);
     let first = units
-        .filter_map(first_negative_dividend)
+        .filter_map(|unit| first_negative_dividend(unit))
         .min_by_key(|(at, ..)| *at);
     first.map(|(at, division)| dialect_warning(at, division))
 }

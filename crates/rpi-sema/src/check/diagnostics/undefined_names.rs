@@ -35,7 +35,10 @@ pub(crate) fn report_undefined(
     let declaring = declaring.filter(|module| !cx.checker.program.is_hidden(module, name));
     let diagnostic = match declaring {
         _ if lacks_use && near.is_none() => None,
-        Some(module) => Some(name_of_unused_module(what, name, module, span)),
+        Some(module) => {
+            let start = cx.checker.program.start_of_file(span);
+            Some(name_of_unused_module(what, name, module, (span, start)))
+        }
         None if what == FLOW_KIND || near.is_some() => {
             let help = near.is_none().then(|| declaration_help(cx, name));
             let mut diagnostic = undefined_name(what, name, span, near);
@@ -73,13 +76,13 @@ pub(crate) fn report_undefined_flow(cx: &mut Body<'_, '_>, name: &Name, diagnost
 }
 
 /// Returns the diagnostic for a name that is declared in the standard module `module`, which the file does not use. The
-/// fix adds the `use`. `what` is the kind of name.
-fn name_of_unused_module(what: &str, name: &str, module: &'static str, span: Span) -> Diagnostic {
-    let start = Span {
-        start: 0,
-        end: 0,
-        ..span
-    };
+/// fix adds the `use` at the location `start`. `what` is the kind of name.
+fn name_of_unused_module(
+    what: &str,
+    name: &str,
+    module: &'static str,
+    (span, start): (Span, Span),
+) -> Diagnostic {
     let fix =
         Fix::sure(format!("use the module `{module}`")).replace(start, format!("use {module};\n"));
     Diagnostic::new(Code::RPI1001, format!("undefined {what} `{name}`"))

@@ -6,6 +6,7 @@
 use crate::typed::TypedKind;
 use crate::typed::{Unit, UnitId, UnitKind};
 use rpi_diag::{Code, Diagnostic, Span};
+use std::rc::Rc;
 
 /// Call of a unit, or step of a task that runs a unit: the called unit, and the location of the call.
 #[derive(Clone, Copy)]
@@ -15,8 +16,8 @@ struct CallEdge {
 }
 
 /// Returns a diagnostic for each dependency cycle of calls, including units that call themselves.
-pub(crate) fn check(units: &[Unit]) -> Vec<Diagnostic> {
-    let calls: Vec<Vec<CallEdge>> = units.iter().map(call_edges).collect();
+pub(crate) fn check(units: &[Rc<Unit>]) -> Vec<Diagnostic> {
+    let calls: Vec<Vec<CallEdge>> = units.iter().map(|unit| call_edges(unit)).collect();
     let mut diagnostics = Vec::new();
     let mut reported = vec![false; units.len()];
     for start in cyclic_units(&calls) {
@@ -113,7 +114,7 @@ const TASK_HELP: &str = "tasks are inlined: use `repeat let ... tel` to repeat s
 /// Maximum number of calls of a dependency cycle that a diagnostic shows.
 const MAX_SHOWN_CALLS: usize = 20;
 
-fn recursion_diagnostic(units: &[Unit], start: usize, ring: &[CallEdge]) -> Diagnostic {
+fn recursion_diagnostic(units: &[Rc<Unit>], start: usize, ring: &[CallEdge]) -> Diagnostic {
     let name = |step: &CallEdge| units[step.to.0 as usize].name.clone();
     let first = units[start].name.clone();
     // A contract has no equations: its calls are imports of other contracts.

@@ -7,6 +7,7 @@
 
 use crate::check::Checker;
 use crate::check::diagnostics::report::join_names;
+use crate::check::reuse;
 use crate::check::signatures::constraint::CONSTRAINTS;
 use crate::check::signatures::constraint::Constraint;
 use crate::check::signatures::constraint::parse_constraint;
@@ -153,7 +154,9 @@ fn discarding_units(
     let called = std::mem::take(&mut checker.instances.called);
     let reported = std::mem::take(&mut checker.instances.reported);
     let (units, written_out) = (checker.units.len(), checker.limits.expanded_size);
+    let reuse = reuse::suspend(checker, true);
     check(checker);
+    reuse::suspend(checker, reuse);
     checker.units.truncate(units);
     checker.instances.entries.truncate(units);
     checker.limits.expanded_size = written_out;

@@ -8,6 +8,7 @@ use crate::check::calls::frame_binding;
 use crate::check::diagnostics::report;
 use crate::check::exprs::expr;
 use crate::check::limits::nesting;
+use crate::check::reuse;
 use crate::check::signatures::alias;
 use crate::check::signatures::instance::instance_key;
 use crate::check::signatures::instance::instance_name;
@@ -105,9 +106,13 @@ pub(crate) fn check_header(
     if is_inside && !nesting::may_nest(checker, "call", checker.program.decl(id).span) {
         return None;
     }
+    let before = checker.diagnostics.len();
     checker.limits.header_depth += 1;
     let header = new_header(checker, id, statics).map(Rc::new);
     checker.limits.header_depth -= 1;
+    if is_inside && checker.diagnostics.len() > before {
+        reuse::taint(checker);
+    }
     checker.headers.insert(key, header.clone());
     header
 }

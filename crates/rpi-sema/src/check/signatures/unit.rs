@@ -9,6 +9,7 @@ use crate::check::bodies::statement;
 use crate::check::calls::prim;
 use crate::check::diagnostics::report;
 use crate::check::limits::nesting;
+use crate::check::reuse;
 use crate::check::signatures::alias;
 use crate::check::signatures::external;
 use crate::check::signatures::header;
@@ -61,8 +62,9 @@ pub(crate) fn instantiate(
     span: Span,
 ) -> Option<UnitId> {
     let key = instance_key(header.decl, &header.statics);
-    if let Some(id) = checker.instances.ids.get(&key) {
-        return Some(*id);
+    if let Some(id) = checker.instances.ids.get(&key).copied() {
+        reuse::record_call(checker, header, span, id);
+        return Some(id);
     }
     let depth = match header.statics.is_empty() {
         true => 0,
@@ -77,9 +79,11 @@ pub(crate) fn instantiate(
         return None;
     }
     let id = UnitId(u32::try_from(checker.units.len()).unwrap_or(u32::MAX));
-    checker
-        .units
-        .push(Unit::new(header.name.clone(), header.kind, header.span));
+    checker.units.push(Rc::new(Unit::new(
+        header.name.clone(),
+        header.kind,
+        header.span,
+    )));
     checker.instances.entries.push(UnitEntry {
         header: header.clone(),
         called: span,
@@ -89,6 +93,7 @@ pub(crate) fn instantiate(
     checker.instances.ids.insert(key, id);
     checker.instances.called.insert(header.decl);
     checker.instances.queue.push_back(id);
+    reuse::record_call(checker, header, span, id);
     Some(id)
 }
 
@@ -216,19 +221,33 @@ pub(super) fn check_unit(checker: &mut Checker<'_>, id: UnitId) {
     let header = entry.header.clone();
     let called = entry.called;
     let outer = std::mem::replace(&mut checker.instances.depth, entry.depth);
+    if !reuse::reuse_unit(checker, id) {
+        check_anew(checker, id, &header, called);
+    }
+    checker.instances.depth = outer;
+    checker.instances.entries[id.0 as usize].state = Progress::Done;
+}
+
+/// Checks the body of the unit `id`. `called` is the location of its first call.
+fn check_anew(checker: &mut Checker<'_>, id: UnitId, header: &Header, called: Span) {
+    reuse::begin_record(checker);
     let mut unit = Unit::new(header.name.clone(), header.kind, header.span);
     unit.is_lustre = checker.is_lustre(header.decl);
     let mut body = Body::new(checker, header.decl, header.statics.clone(), unit);
     check_decl(&mut body, header.decl);
     none_type::infer_none_types(&mut body);
     if called != header.span && header.is_instance() {
-        attribute_to_call(&mut body, &header, called);
+        if !body.diagnostics.is_empty() {
+            // Each error is reported for one instance only.
+            reuse::forbid_reuse(body.checker);
+        }
+        attribute_to_call(&mut body, header, called);
     }
+    let own = body.diagnostics.len();
     let unit = body.finish();
-    checker.instances.depth = outer;
     checker.limits.expanded_size += unit.exprs.len() + unit.flows.len();
-    checker.units[id.0 as usize] = unit;
-    checker.instances.entries[id.0 as usize].state = Progress::Done;
+    checker.units[id.0 as usize] = Rc::new(unit);
+    reuse::store_unit(checker, id, own);
 }
 
 /// Adds to each error in an instance of a generic callable the call for which the instance is checked.

@@ -2,13 +2,22 @@
 
 use crate::check::Checker;
 use crate::check::limits::nesting;
+use crate::check::reuse;
 use crate::check::signatures::unit::{Progress, check_unit};
+use crate::reuse::Effect;
 use crate::typed::{TypedKind, UnitId};
 use std::collections::BTreeSet;
 
-/// Checks a unit and all units that it calls, directly or indirectly. A unit that has been checked may call others that still
-/// wait for their check.
+/// Checks a unit and all units that it calls, directly or indirectly, because their bodies decide a constant or a signature.
 pub(crate) fn check_unit_now(checker: &mut Checker<'_>, id: UnitId) {
+    check_for_task(checker, id);
+    reuse::record_evaluated(checker, id);
+}
+
+/// Checks a unit and all units that it calls, directly or indirectly. A unit that has been checked may call others that still
+/// wait for their check. Tasks read the bodies of the commands that they run; no other declaration depends on that.
+pub(crate) fn check_for_task(checker: &mut Checker<'_>, id: UnitId) {
+    reuse::record_effect(checker, Effect::CheckNow(id));
     let mut seen = BTreeSet::new();
     // An explicit stack, so that a long chain of calls costs no call stack.
     let mut open = vec![id];

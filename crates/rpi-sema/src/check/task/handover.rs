@@ -147,7 +147,7 @@ fn is_command_step(cx: &Body<'_, '_>, step: usize) -> bool {
 }
 
 fn taken_over_inputs(cx: &mut Body<'_, '_>, unit: UnitId) -> Vec<TakenOverInput> {
-    units_on_demand::check_unit_now(cx.checker, unit);
+    units_on_demand::check_for_task(cx.checker, unit);
     let unit = &cx.checker.units[unit.0 as usize];
     let flows = unit.inputs.iter().map(|id| (*id, unit.flow(*id)));
     let given =
@@ -169,7 +169,7 @@ fn source_from(
     run: &Run,
 ) -> Result<TakenOverValue, Box<Diagnostic>> {
     let TakenOverInput { flow, name, ty, .. } = taken;
-    units_on_demand::check_unit_now(cx.checker, before);
+    units_on_demand::check_for_task(cx.checker, before);
     let unit = &cx.checker.units[before.0 as usize];
     debug_assert!(unit.kind == UnitKind::Command);
     let mut exports = unit.block(BlockId::ROOT).exports.iter().enumerate();

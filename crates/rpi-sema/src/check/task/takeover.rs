@@ -55,7 +55,7 @@ fn moved_params(cx: &mut Body<'_, '_>, run: &Run) -> Vec<Name> {
     let Some(unit) = handover::command_of(cx, run) else {
         return Vec::new();
     };
-    units_on_demand::check_unit_now(cx.checker, unit);
+    units_on_demand::check_for_task(cx.checker, unit);
     let unit = &cx.checker.units[unit.0 as usize];
     let equations = unit.blocks.iter().flat_map(|block| &block.equations);
     let targets = equations.flat_map(|equation| &equation.targets);

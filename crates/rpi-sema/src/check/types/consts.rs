@@ -7,6 +7,7 @@ use crate::check::diagnostics::report;
 use crate::check::diagnostics::report::ExpectationReason;
 use crate::check::exprs::expr;
 use crate::check::limits::nesting;
+use crate::check::reuse;
 use crate::check::signatures::unit;
 use crate::check::signatures::units_on_demand;
 use crate::check::types;
@@ -64,6 +65,9 @@ pub(crate) fn check_constant(checker: &mut Checker<'_>, id: DeclId) -> Option<Co
         constant
     });
     checker.in_progress.pop();
+    if checker.diagnostics.len() > before {
+        reuse::taint(checker);
+    }
     let mut found = checker.diagnostics[before..].iter();
     if let Some(outside) = found.find(|diagnostic| diagnostic.code == Code::RPI1012) {
         checker.valueless_constants.insert(id, outside.clone());

@@ -1,6 +1,7 @@
 //! Resolution of device types.
 
 use crate::check::bodies::body::Body;
+use crate::check::reuse;
 use crate::check::signatures::instance::instance_key;
 use crate::check::signatures::static_args;
 use crate::check::signatures::static_args::StaticBinding;
@@ -81,7 +82,11 @@ fn device_type_instance<'a>(
     let mut body = Body::new(checker, id, statics.clone(), unit);
     body.in_signature = true;
     let ports = device_ports(&mut body, decl);
+    let has_diagnostics = !body.diagnostics.is_empty();
     let frames = body.finish().free_frames;
+    if has_diagnostics {
+        reuse::taint(checker);
+    }
     let ty = Ty::Device(Rc::new(DeviceTy {
         name: decl.name.name.clone(),
         ports,

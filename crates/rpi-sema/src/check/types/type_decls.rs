@@ -4,6 +4,7 @@ use crate::check::bodies::body::Body;
 use crate::check::diagnostics::report;
 use crate::check::limits::nesting;
 use crate::check::limits::nesting::is_within_size_limits;
+use crate::check::reuse;
 use crate::check::signatures::static_args::StaticBinding;
 use crate::check::signatures::static_args::StaticBindings;
 use crate::check::types;
@@ -60,7 +61,11 @@ pub(crate) fn type_instance(
     // In progress before it is resolved, so that a type that depends on itself is detected.
     checker.types.insert(key.clone(), Lazy::InProgress);
     checker.in_progress.push(id);
+    let before = checker.diagnostics.len();
     let ty = nesting::check_nested(checker, |checker| type_def(checker, id, statics));
+    if checker.diagnostics.len() > before {
+        reuse::taint(checker);
+    }
     checker.in_progress.pop();
     checker.types.insert(key, Lazy::Done(Some(ty.clone())));
     ty

@@ -21,6 +21,7 @@ pub(super) fn index_items<'a>(builder: &mut Builder<'a>, source: &Source<'a>, sc
 }
 
 fn index_item<'a>(builder: &mut Builder<'a>, scope: ScopeId, item: &'a Item) {
+    builder.omits_body = (builder.focus).is_some_and(|focus| !item.span.contains(focus));
     let at = DefPosition {
         scope,
         whole: item.span,
@@ -70,7 +71,9 @@ fn index_test<'a>(builder: &mut Builder<'a>, at: DefPosition<'a>, test: &'a Test
     let def = builder.define(at, &test.title, DefKind::Test);
     let scope = builder.inner(at, def);
     let body = builder.inner(at, def);
-    bodies::index_body(builder, body, &test.body);
+    if !builder.omits_body {
+        bodies::index_body(builder, body, &test.body);
+    }
     index_results(builder, DefPosition { scope, ..at }, &test.body);
 }
 
@@ -140,6 +143,7 @@ fn index_node<'a>(builder: &mut Builder<'a>, at: DefPosition<'a>, node: &'a Node
     let (def, scope) = callable(builder, at, kind, &node.signature);
     index_contract(builder, scope, node.contract.as_ref());
     match &node.definition {
+        NodeDef::Body(_) if builder.omits_body => {}
         NodeDef::Body(body) => bodies::index_body(builder, scope, body),
         NodeDef::Alias(callee) => {
             builder

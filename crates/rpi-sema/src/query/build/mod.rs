@@ -19,9 +19,15 @@ use rpi_syntax::Dialect;
 use rpi_syntax::ast::{Body, Callee, Clock, Doc, Dotted, Expr, Ident, Run, Target, Type, Update};
 use shapes::Shapes;
 
-/// Builds the index of the definitions and references of a program.
-pub(super) fn build<'a>(program: &Program<'a>, sources: &[Source<'a>]) -> Index {
+/// Builds the index of the definitions and references of a program. With `focus`, the bodies of nodes and tests that do not
+/// contain this location are left out.
+pub(super) fn build<'a>(
+    program: &Program<'a>,
+    sources: &[Source<'a>],
+    focus: Option<Span>,
+) -> Index {
     let mut builder = Builder::new();
+    builder.focus = focus;
     let scopes: Vec<ScopeId> = sources
         .iter()
         .map(|source| builder.module(source))
@@ -91,6 +97,10 @@ struct Builder<'a> {
     pending: Vec<(ScopeId, PendingRef<'a>)>,
     shapes: Shapes<'a>,
     modules: FastMap<rpi_syntax::Name, DefId>,
+    /// Location to whose declaration the index is restricted; `None` for all.
+    focus: Option<Span>,
+    /// Whether the content of the body of the current declaration is left out.
+    omits_body: bool,
 }
 
 impl<'a> Builder<'a> {
@@ -107,6 +117,8 @@ impl<'a> Builder<'a> {
             pending: Vec::new(),
             shapes: Shapes::default(),
             modules: FastMap::default(),
+            focus: None,
+            omits_body: false,
         }
     }
 
