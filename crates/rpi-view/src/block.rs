@@ -159,7 +159,7 @@ mod tests {
         Column {
             name: String::new(),
             kind,
-            unit: "",
+            unit: String::new(),
             values: values.to_vec(),
             integers: values.iter().map(|value| *value as i64).collect(),
             absent: Vec::new(),
