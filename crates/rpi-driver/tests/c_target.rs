@@ -399,7 +399,7 @@ fn a_fault_has_a_code_and_the_line_of_the_program() {
 
 /// Constants, delays and conversions between units have no influence: inputs and outputs are in units of the SI.
 #[test]
-fn the_header_has_the_units_of_inputs_and_outputs() {
+fn the_text_has_the_units_of_inputs_and_outputs() {
     let text = "type Load = struct { mass: real[kg]; count: int };\n\
                 node Total (way: real[mm]; wait: time; load: Load; n: int) returns (force: real[N]; ratio: real; late: time)\n\
                 let force = load.mass * way / 1[s] / 1[s]; ratio = way / 1[m]; late = wait; tel\n";
@@ -415,9 +415,9 @@ fn the_header_has_the_units_of_inputs_and_outputs() {
         "flow `late`: real[s] */",
     ] {
         assert!(
-            emitted.header.contains(field),
+            emitted.source.contains(field),
             "{field}\n{}",
-            emitted.header
+            emitted.source
         );
     }
 }
