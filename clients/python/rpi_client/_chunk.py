@@ -78,7 +78,7 @@ class Chunk:
     ``observed`` is the time of the first row, that of the observation on which the chunk is based: an :class:`Observation`, or the
     time stamp of a camera as a time of ``time.monotonic()``. None is the observation that the policy got last, and without a policy the time of sending.
     ``velocities`` (rad/s) has the same form as ``positions``. ``widths`` has the opening of the gripper at each row (m),
-    ``channels`` the values at each row of the actuators that ``channels`` of the options names.
+    ``channels`` the values at each row of the actuators that ``channels`` of the options names; for truth values, bools or numbers from 0.5 on.
     ``append`` lets the first row follow one period after the last one of the chunk before, instead of overlapping it.
     ``frozen`` is the number of first rows that are taken from the chunk before, because the arm executes them while the policy computes."""
 
@@ -88,7 +88,7 @@ class Chunk:
     widths: Sequence[float] | SupportsToList | None = None
     append: bool = False
     frozen: int = 0
-    channels: Mapping[str, Sequence[float] | SupportsToList] = field(default_factory=dict)
+    channels: Mapping[str, Sequence[float] | Sequence[bool] | SupportsToList] = field(default_factory=dict)
 
 
 @dataclass(frozen=True)
@@ -132,6 +132,12 @@ def _number(name: str, value: Any) -> float:
     if isinstance(value, bool) or not isinstance(value, (int, float)):
         raise TypeError(f"{name}: {value!r} is not a number")
     return float(value)
+
+
+def channel_of(name: str, values: Any, count: int) -> list[float]:
+    """Returns the values of a channel as one number for each of ``count`` rows: 1 for true, 0 for false. Errors as of :func:`rows_of`."""
+    listed = values.tolist() if hasattr(values, "tolist") else values
+    return column_of(name, [float(value) if isinstance(value, bool) else value for value in listed], count)
 
 
 def column_of(name: str, values: Any, count: int) -> list[float]:

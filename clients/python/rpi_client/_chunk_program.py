@@ -43,7 +43,7 @@ class ChunkOptions:
     have velocities. With ``poses`` the rows are poses of the tool. ``gripper`` names a gripper of the cell whose opening belongs to the chunks.
     ``channels`` names other actuators whose values belong to them, with their units: ``{"spindle.speed": "rad/s"}``; an empty unit is a plain
     number, ``"bool"`` a truth value, true from 0.5 on. An output of a digital or analogue device has an index, as in ``{"torch.set[0]": "bool"}``; all
-    outputs before it must be named, too. Actuators are 0 before the first chunk. ``observe`` names further sensors for the observations:
+    outputs before it must be named, too. Before the first chunk, outputs keep their values and other actuators are 0. ``observe`` names further sensors for the observations:
     ``"force"`` of the arm, ``"hand.opening"`` of another device, which has the name ``hand_opening`` in the values, or ``"torch.get[0]"``."""
 
     rows: int = 50
@@ -226,6 +226,9 @@ def _channels(options: ChunkOptions) -> list[_Channel]:
         channels.append(_Channel("widths", f"{hand}.width", "{} * 1[m]", f"{hand}.opening"))
     for name, unit in options.channels.items():
         value, first = _conversion(name, unit)
+        terminal = terminal_of(name)
+        if terminal is not None:
+            first = terminal.present_value(is_digital=unit == "bool")
         channels.append(_Channel(channel_key(name), _target_of(name), value, first))
     return channels
 

@@ -11,7 +11,7 @@ from dataclasses import replace
 from types import TracebackType
 from typing import TYPE_CHECKING, Any
 
-from ._chunk import MOST_WAITING, POSE_NUMBERS, Chunk, Observation, Rows, SentChunk, column_of, lengthened, limit_of, padded, poses_of, rows_of
+from ._chunk import MOST_WAITING, POSE_NUMBERS, Chunk, Observation, Rows, SentChunk, channel_of, column_of, lengthened, limit_of, padded, poses_of, rows_of
 from ._chunk_program import channel_key
 from ._chunk_report import ChunkReport
 from ._clock import ServerClock
@@ -305,7 +305,7 @@ class ChunkStream:
             columns["widths"] = column_of("widths", chunk.widths, count)
         elif "widths" in self.goal.inputs:
             raise ValueError("widths: the gripper of this stream needs an opening at each row")
-        columns.update({channel_key(name): column_of(name, values, count) for name, values in chunk.channels.items()})
+        columns.update({channel_key(name): channel_of(name, values, count) for name, values in chunk.channels.items()})
         missing = [name for name in self._channels if name not in columns]
         if missing:
             raise ValueError(f"channels: {missing[0].removeprefix('channel_')} of this stream needs a value at each row")

@@ -18,6 +18,11 @@ class Terminal(NamedTuple):
     port: str
     index: int
 
+    def present_value(self, is_digital: bool) -> str:
+        """Returns the expression for the present value of an output."""
+        kind = "Bool" if is_digital else "Real"
+        return f'IO::Out{kind}Sensor<<DeviceID: "{self.device}", Port: {self.index}>>()'
+
 
 def terminal_of(name: str) -> Terminal | None:
     """Returns the terminal with this name; None for the name of another port."""

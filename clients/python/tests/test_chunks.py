@@ -77,6 +77,15 @@ let
 tel
 """
 
+#: A program that switches the first output of the box on.
+ON = """use io;
+command On (box: DigitalIo<<0, 1>>)
+let
+  box.set = [true];
+  finish done when time > 5[ms];
+tel
+"""
+
 
 class Circle:
     """A policy in Cartesian space that moves the tool along a circle until an observation is `seconds` old."""
@@ -341,17 +350,25 @@ class ChunkTest(ArmTest):
             channels = {"box.set[1]": "bool", "box.set[0]": "bool"}
             options = ChunkOptions(rows=40, channels=channels, observe=["box.get[1]"])
             outputs = await session.load(OUTPUTS)
+            # Before the first chunk, outputs keep their values.
+            on = await session.load(ON)
+            await on.start()
+            await on.result()
             async with await arm.open_chunks(options) as stream, outputs:
+                await outputs.start()
                 assert stream.latest is not None
                 self.assertEqual(stream.latest.values["box_get_1"], True)
                 rows = [stream.latest.commanded] * 40
                 with self.assertRaisesRegex(ValueError, "channels: box_set_1 of this stream needs a value"):
                     await stream.send(Chunk(rows, channels={"box.set[0]": [0.0] * 40}))
-                await stream.send(Chunk(rows, channels={"box.set[1]": [0.0] * 5 + [1.0] * 35, "box.set[0]": [0.0] * 40}))
+                await stream.send(Chunk(rows, channels={"box.set[1]": [False] * 5 + [True] * 35, "box.set[0]": [0.0] * 40}))
+                seen = []
                 async for feedback in outputs.feedback():
+                    if feedback.values and (not seen or seen[-1] != feedback.values):
+                        seen.append(feedback.values)
                     if feedback.values and feedback.values["second_output"]:
                         break
-                self.assertEqual(outputs.latest.values["first_output"], False)
+                self.assertEqual([set_["first_output"] for set_ in (seen[0], seen[-1])], [True, False], seen)
 
         await self.with_arm(work)
 

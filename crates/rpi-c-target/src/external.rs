@@ -216,4 +216,8 @@ impl<B: DeviceBank> DeviceBank for ExternalBank<B> {
     fn make_safe(&mut self, resource: u32) {
         self.devices.make_safe(resource);
     }
+
+    fn make_all_safe(&mut self) -> bool {
+        self.devices.make_all_safe()
+    }
 }

@@ -158,13 +158,15 @@ impl Core {
         Ok(())
     }
 
-    /// Aborts every command and drops every rule. All moving devices stop within their own limits.
+    /// Aborts every command and drops every rule. All moving devices stop within their own limits, and all outputs take their safe
+    /// values, also those that commands have set that ended before.
     pub fn emergency_stop(&mut self, bank: &mut dyn DeviceBank) {
         self.abort_all(AbortReason::EmergencyStop, bank);
     }
 
-    /// Aborts every command for the reason `why` and drops every rule. All moving devices stop within their own limits.
+    /// Aborts every command for the reason `why` and drops every rule, as [`emergency_stop`](Self::emergency_stop) does.
     pub fn abort_all(&mut self, why: AbortReason, bank: &mut dyn DeviceBank) {
+        bank.make_all_safe();
         let mut decision = self.decision(bank);
         decision.abort_all(why);
         decision.conclude();

@@ -203,6 +203,12 @@ pub trait DeviceBank {
     fn make_safe(&mut self, resource: u32) {
         let _ = resource;
     }
+
+    /// Sets all resources (actuators) that have a safe value to it: all commands were aborted at once, or no command will drive
+    /// them any more. Returns true if an output has changed, so that another step of the devices shows it.
+    fn make_all_safe(&mut self) -> bool {
+        false
+    }
 }
 
 /// Device bank of a cell without devices: every port name is unknown.

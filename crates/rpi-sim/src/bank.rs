@@ -262,13 +262,6 @@ impl SimBank {
         }
     }
 
-    /// Sets the outputs of all devices to their safe values, because no command will drive them any more. Returns true if an
-    /// output has changed since the last [`step`](Self::step), so that one more shows it.
-    pub fn make_all_safe(&mut self) -> bool {
-        let parts = self.devices.iter_mut().flatten();
-        parts.fold(false, |changed, part| part.device.make_all_safe() | changed)
-    }
-
     /// Ends the work of all devices at the end of a run, before their last [`reports`](Self::reports).
     pub fn finish(&mut self) {
         let parts = self.devices.iter_mut().flatten();
@@ -418,5 +411,10 @@ impl DeviceBank for SimBank {
         if let Some((device, own)) = self.owner_mut(resource) {
             device.make_safe(own);
         }
+    }
+
+    fn make_all_safe(&mut self) -> bool {
+        let parts = self.devices.iter_mut().flatten();
+        parts.fold(false, |changed, part| part.device.make_all_safe() | changed)
     }
 }

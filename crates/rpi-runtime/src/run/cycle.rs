@@ -4,7 +4,7 @@ use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 
 use rpi_core::{AbortReason, Command, CommandId, CycleObserver, OverrunStats};
-use rpi_device::PortId;
+use rpi_device::{DeviceBank, PortId};
 use rpi_image::Image;
 use rpi_image::image::Signal;
 use rpi_sim::SimBank;

@@ -131,6 +131,10 @@ impl<P: Plant> DeviceBank for LoggingBank<P> {
     fn make_safe(&mut self, resource: u32) {
         self.plant.make_safe(resource);
     }
+
+    fn make_all_safe(&mut self) -> bool {
+        self.plant.make_all_safe()
+    }
 }
 
 impl<P: Plant> Plant for LoggingBank<P> {

@@ -26,6 +26,7 @@ mod recording;
 mod request_limits;
 mod roles;
 mod rules;
+mod safe_outputs;
 mod slow_reader;
 mod updates;
 mod watched_flows;
