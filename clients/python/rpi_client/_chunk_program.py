@@ -281,7 +281,7 @@ def _exports(arm: str, options: ChunkOptions) -> list[str]:
 def _sensor_of(arm: str, sensor: str) -> str:
     terminal = terminal_of(sensor)
     if terminal is not None:
-        return f"{terminal.device}.{terminal.port}[{terminal.index}]"
+        return f"{terminal.device}.{terminal.port}[{terminal.number}]"
     device, _, port = sensor.rpartition(".")
     return f"{identifier(device) if device else arm}.{identifier(port)}"
 

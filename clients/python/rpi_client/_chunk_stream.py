@@ -232,7 +232,7 @@ class ChunkStream:
 
         def is_decided() -> bool:
             values = self.goal.latest.values
-            return values["accepted"] == self._number or values["rejected_count"] > self._rejected_before
+            return bool(values["accepted"] == self._number or values["rejected_count"] > self._rejected_before)
 
         def has_room() -> bool:
             return self._has_ended() or (is_decided() and self._left() <= room)

@@ -16,12 +16,12 @@ class Terminal(NamedTuple):
 
     device: str
     port: str
-    index: int
+    number: int
 
     def present_value(self, is_digital: bool) -> str:
         """Returns the expression for the present value of an output."""
         kind = "Bool" if is_digital else "Real"
-        return f'IO::Out{kind}Sensor<<DeviceID: "{self.device}", Port: {self.index}>>()'
+        return f'IO::Out{kind}Sensor<<DeviceID: "{self.device}", Port: {self.number}>>()'
 
 
 def terminal_of(name: str) -> Terminal | None:
@@ -33,7 +33,7 @@ def terminal_of(name: str) -> Terminal | None:
 def terminals_of(device: str, port: str, names: Iterable[str]) -> list[int]:
     """Returns the indices of the terminals of a device among these names, in order."""
     terminals = (terminal_of(name) for name in names)
-    return sorted({t.index for t in terminals if t is not None and (t.device, t.port) == (device, port)})
+    return sorted({t.number for t in terminals if t is not None and (t.device, t.port) == (device, port)})
 
 
 def type_with_terminals(device: str, outputs: Mapping[str, str], inputs: Iterable[str]) -> str:
