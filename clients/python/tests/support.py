@@ -50,16 +50,11 @@ kind = "light-barrier"
 
 [devices.belt]
 kind = "conveyor"
-
-[devices.box]
-kind = "digital-io"
-inputs = [false, true]
-outputs = 2
 """
 
 
 class CellTest(unittest.IsolatedAsyncioTestCase):
-    """A test with a folder that has a cell with an arm, a gripper, a light barrier, a belt and digital inputs and outputs."""
+    """A test with a folder that has a cell with an arm, a gripper, a light barrier and a belt."""
 
     #: Port of the server on 127.0.0.1.
     port: int

@@ -67,7 +67,15 @@ class Wave:
             yield Chunk(rows, observed=observation.time)
 
 
-#: A program that shows the outputs of the box.
+#: A device of the cell with inputs and outputs.
+BOX = """
+[devices.box]
+kind = "digital-io"
+inputs = [false, true]
+outputs = 2
+"""
+
+#: A program that shows its outputs.
 OUTPUTS = """command Outputs ()
 let
   first_output = IO::OutBoolSensor<<DeviceID: "box", Port: 0>>();
@@ -132,6 +140,8 @@ class ArmTest(CellTest):
 class ChunkTest(ArmTest):
     def setUp(self) -> None:
         super().setUp()
+        with (self.folder / "cell.toml").open("a", encoding="utf-8") as cell:
+            cell.write(BOX)
         self.serve()
 
     async def test_every_form_of_a_policy_moves_the_arm(self) -> None:
