@@ -33,11 +33,11 @@ const LONGEST: &[&str] = &[
 
 /// Programs that mostly wait, the longest first: they need about a third of a core. They run one after the other, beside
 /// the rest.
-const WAITING: &[&str] = &["python", "view", "rtde", "server", "udp_arm", "teach"];
+const WAITING: &[&str] = &["python", "view", "rtde", "server", "teach"];
 
-/// Programs that measure how soon a server answers under load, or let its cycle run beside many clients. They run last, one
-/// after the other.
-const ALONE: &[&str] = &["attacks", "chaos"];
+/// Programs that measure how soon a server answers under load, let its cycle run beside many clients, or send set-points in
+/// real time to a controller that brakes when they are late. They run last, one after the other.
+const ALONE: &[&str] = &["attacks", "chaos", "udp_arm"];
 
 /// Number of programs in the list of the slowest.
 const SLOWEST: usize = 12;

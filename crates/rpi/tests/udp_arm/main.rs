@@ -99,7 +99,8 @@ fn settings(loss: f64) -> Settings {
         loss,
         jitter: Duration::from_millis(2),
         depth: 25,
-        watchdog: 25,
+        // Longer than a loaded machine may hold up the core, shorter than the outage.
+        watchdog: 75,
         outage_at: 0,
         joints: JOINTS_DEG
             .map(|angle| angle * (std::f64::consts::PI / 180.0))
@@ -117,7 +118,7 @@ impl Project {
         let read = |file: &str| std::fs::read_to_string(example.join(file)).unwrap();
         let program = read("blending.rpi").replace("repeat 9 times", "repeat 1 times");
         let cell = read("cell.toml");
-        let kind = format!("kind = \"udp-arm\"\naddress = \"127.0.0.1:{port}\"");
+        let kind = format!("kind = \"udp-arm\"\naddress = \"127.0.0.1:{port}\"\ntimeout = 0.4");
         let files = [
             ("blending.rpi", program),
             ("real.toml", cell.replace("kind = \"arm\"", &kind)),
