@@ -48,6 +48,9 @@ const OWNERS: &[(&str, &[&str])] = &[
             "rpi-sim",
         ],
     ),
+    // Not used: they have the features that the tests unify.
+    ("num-complex", &["xtask"]),
+    ("num-integer", &["xtask"]),
     ("parquet", &["rpi-record"]),
     ("petgraph", &["rpi-net", "rpi-sema"]),
     ("prometheus-client", &["rpi-serve"]),
