@@ -18,7 +18,7 @@ impl BenchError {
     }
 
     /// Creates an error with the text of another error.
-    pub(crate) fn from_cause(cause: impl fmt::Display) -> Self {
+    pub fn from_cause(cause: impl fmt::Display) -> Self {
         BenchError::new(cause.to_string())
     }
 }

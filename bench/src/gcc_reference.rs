@@ -79,13 +79,14 @@ pub struct CompiledNet {
 }
 
 impl CompiledNet {
-    /// Compiles a net in the folder `dir`, starts the program and runs the warm-up cycles. The net must have the input
-    /// `x` and the export `y`.
+    /// Compiles a net in the folder `dir`, starts the program and runs the warm-up cycles. `text` is its C text, by
+    /// [`emitted_c_text`] or [`flat_c_text`](crate::flat_c::flat_c_text). The net must have the input `x` and the export
+    /// `y`.
     ///
     /// # Errors
     /// Returns the reason of a failure, such as a missing compiler.
-    pub fn new(net: &Net, dir: &Path) -> Result<CompiledNet, BenchError> {
-        let program = compile(net, dir)?;
+    pub fn new(text: &str, dir: &Path) -> Result<CompiledNet, BenchError> {
+        let program = compile(text, dir)?;
         let child = Command::new(program)
             .stdin(Stdio::piped())
             .stdout(Stdio::piped())
@@ -140,11 +141,11 @@ impl Drop for CompiledNet {
     }
 }
 
-/// Returns a net as C source text, with functions whose names start with `Net`.
+/// Returns the C text that the compiler emits for a net, with functions whose names start with `Net`.
 ///
 /// # Errors
 /// Returns the reason why the net cannot be lowered.
-pub fn c_text(net: &Net) -> Result<String, BenchError> {
+pub fn emitted_c_text(net: &Net) -> Result<String, BenchError> {
     let image = lower_net(net, &LowerOptions::running(1_000_000))?;
     let options = rpi_codegen::Options {
         name: "Net",
@@ -156,10 +157,10 @@ pub fn c_text(net: &Net) -> Result<String, BenchError> {
     Ok(rpi_codegen::emit(&image, &options).source)
 }
 
-/// Compiles a net with the C compiler in the folder `dir`. Returns the path of the program.
-fn compile(net: &Net, dir: &Path) -> Result<std::path::PathBuf, BenchError> {
+/// Compiles the C text of a net in the folder `dir`. Returns the path of the program.
+fn compile(text: &str, dir: &Path) -> Result<std::path::PathBuf, BenchError> {
     let (source, binary) = (dir.join("net.c"), dir.join("net"));
-    std::fs::write(&source, c_text(net)? + C_MAIN).map_err(BenchError::from_cause)?;
+    std::fs::write(&source, format!("{text}{C_MAIN}")).map_err(BenchError::from_cause)?;
     let flags = ["-O2", "-std=c99", "-D_POSIX_C_SOURCE=199309L", "-o"];
     let compiled = Command::new("cc")
         .args(flags)

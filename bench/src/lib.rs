@@ -6,6 +6,7 @@
 mod bench_error;
 pub mod clock;
 pub mod fake_devices;
+pub mod flat_c;
 pub mod gcc_reference;
 pub mod generate;
 pub mod image_compare;

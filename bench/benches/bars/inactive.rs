@@ -15,15 +15,16 @@ use std::process::Command;
 pub(crate) const CHILD: &str = "cycles-child";
 
 /// Number of inactive fragments in the measured net.
-const MANY: usize = 64;
+pub(crate) const MANY: usize = 64;
 
 /// Returns a net with many fragments that are never active, each with `size` primitives. If `fragments` is false, the
 /// net contains only the activation conditions of these fragments.
-fn inactive_net(fragments: bool, size: usize) -> Net {
+pub(crate) fn inactive_net(fragments: bool, size: usize) -> Net {
     let mut b = NetBuilder::new("sleeping");
     let root = FragmentId::ROOT;
     let key = ("Key", rpi_image::Value::Str("x".into()));
     let x = b.add_with(root, "Core::DoubleNetcommIn", &[], &[key]);
+    b.export("y", x);
     let whole = b.add(root, "Core::IntFromDouble", &[Input::Port(x)]);
     for k in 0..MANY {
         let limit = Input::constant(rpi_image::Value::int(10 + k as i64));

@@ -1,5 +1,6 @@
 //! Generated nets in the interpreter, compared with the same nets as C compiled by gcc -O2.
 
+use rpi_bench::flat_c::flat_c_text;
 use rpi_bench::gcc_reference::{CompiledNet, InterpretedNet};
 use rpi_bench::generate;
 use rpi_bench::table::Table;
@@ -68,7 +69,7 @@ struct GccReference {
 impl GccReference {
     fn new(net: &Net) -> Option<GccReference> {
         let dir = tempfile::tempdir().ok()?;
-        let gcc = CompiledNet::new(net, dir.path());
+        let gcc = flat_c_text(net).and_then(|text| CompiledNet::new(&text, dir.path()));
         let gcc = gcc.inspect_err(|e| eprintln!("no yardstick: {e}")).ok()?;
         let size = net.nodes.len();
         Some(GccReference {

@@ -2,6 +2,7 @@
 //!
 //! `cargo bench -p rpi-bench --bench bars [-- NAME...]` prints one table; each NAME selects the rows that contain it.
 
+mod emitted_c;
 mod inactive;
 mod interpreter;
 mod loading;
@@ -36,6 +37,7 @@ fn main() {
     let names = arguments.into_iter().filter(|a| !a.starts_with('-'));
     let mut table = Table::new(names.collect());
     interpreter::rows(&mut table);
+    emitted_c::rows(&mut table);
     recorded::rows(&mut table);
     inactive::rows(&mut table);
     takeover::rows(&mut table);

@@ -11,6 +11,7 @@
 //! | `variables.rs`, `identifiers.rs` | C variables of the slots and their names |
 //! | `ports.rs` | fields of the input and output structs |
 //! | `expansion.rs`, `functions.rs` | C functions of the primitives |
+//! | `order.rs` | order of the statements |
 //! | `statements.rs`, `parts.rs`, `locals.rs` | C statements of the steps, their distribution over functions, and local variables |
 //! | `devices.rs` | set-points and device functions |
 //! | `external.rs`, `external_host.rs` | functions in C that the program calls |
@@ -34,6 +35,7 @@ mod identifiers;
 mod initial;
 mod literals;
 mod locals;
+mod order;
 mod parts;
 mod ports;
 mod scopes;

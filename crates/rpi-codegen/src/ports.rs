@@ -121,6 +121,12 @@ impl Interface {
         self.fields.iter().filter(move |f| f.direction == direction)
     }
 
+    /// Returns the name of the input field in a slot, with a value or a presence; `None` if there is none.
+    pub(crate) fn object(&self, start: u32) -> Option<&str> {
+        let value = self.name(Direction::Input, Meaning::External(start));
+        value.or_else(|| self.name(Direction::Input, Meaning::ExternalPresence(start)))
+    }
+
     /// Returns the name of the field with a meaning in a struct; `None` if there is none.
     #[must_use]
     pub fn name(&self, direction: Direction, meaning: Meaning) -> Option<&str> {
@@ -251,7 +257,15 @@ impl Builder<'_> {
         for input in &image.inputs {
             let text = format!("input `{}`", input.key);
             self.external(&input.key, (input.value, &input.unit), &text);
-            if let Some(updated) = input.last_updated {
+            // Most programs do not ask when a value came.
+            let is_used = |s: &Signal| {
+                let present = SlotRange {
+                    start: s.present,
+                    len: 1,
+                };
+                self.slots.is_used(s.slots()) || s.present > TRUE && self.slots.is_used(present)
+            };
+            if let Some(updated) = input.last_updated.filter(is_used) {
                 let name = format!("{}_updated", input.key);
                 self.external(
                     &name,

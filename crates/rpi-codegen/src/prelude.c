@@ -13,8 +13,11 @@
 #if defined(__clang__)
 #pragma STDC FP_CONTRACT OFF
 #elif defined(__GNUC__)
-/* The vectoriser of GCC 12 and later contracts alternating sums of products in spite of the first option. */
-#pragma GCC optimize("fp-contract=off", "no-tree-slp-vectorize")
+#pragma GCC optimize("fp-contract=off")
+#if !defined(__x86_64__) || defined(__FMA__) || defined(__FMA4__)
+/* The vectoriser of GCC 12 and later contracts alternating sums of products in spite of this option. */
+#pragma GCC optimize("no-tree-slp-vectorize")
+#endif
 #elif defined(_MSC_VER)
 #pragma fp_contract(off)
 #elif defined(__STDC_VERSION__)

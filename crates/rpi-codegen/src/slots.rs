@@ -20,6 +20,8 @@ pub(crate) struct Slots {
     /// Ranges of slots that form one C array, in ascending order.
     arrays: Vec<SlotRange>,
     lifetimes: Vec<Lifetime>,
+    /// Whether a step or a result of the cycle uses each slot.
+    is_used: Vec<bool>,
     layout: rpi_image::image::Layout,
     /// Initial bits of all slots.
     initial: Vec<u64>,
@@ -30,18 +32,25 @@ impl Slots {
         let layout = image.layout;
         let mut accesses = Vec::new();
         let mut equal = SlotClasses::new(layout.end);
+        let mut is_used = vec![false; layout.end as usize];
         for step in image.steps.iter().chain(&image.commit) {
             accesses.extend(step_accesses(image, step));
             if let Step::Copy { at, len } = *step {
                 let pairs = copies(image, at, len);
                 let pairs = pairs.iter().filter(|pair| pair.0 >= layout.constants);
-                pairs.for_each(|pair| equal.join(pair.0, pair.1));
+                for pair in pairs {
+                    equal.join(pair.0, pair.1);
+                    is_used[pair.0 as usize] = true;
+                    is_used[pair.1 as usize] = true;
+                }
             }
         }
         let (external, read) = table_signals(image);
-        let signals = external.iter().map(|s| (s, true));
-        let signals = signals.chain(read.iter().map(|s| (s, false)));
-        accesses.extend(signals.flat_map(|(s, writes)| signal_accesses(*s, writes)));
+        accesses.extend(read.iter().flat_map(|s| signal_accesses(*s, false)));
+        for access in &accesses {
+            is_used[access.slots.range()].fill(true);
+        }
+        accesses.extend(external.iter().flat_map(|s| signal_accesses(*s, true)));
         let arrays = arrays(&accesses, layout.constants);
         for array in &arrays {
             (array.start + 1..array.end()).for_each(|k| equal.join(array.start, k));
@@ -54,6 +63,7 @@ impl Slots {
             types: types(&accesses, &mut equal, layout.constants),
             arrays,
             lifetimes: lifetimes(image),
+            is_used,
             layout,
             initial,
         }
@@ -69,6 +79,11 @@ impl Slots {
 
     pub(crate) fn lifetime(&self, slot: u32) -> Lifetime {
         self.lifetimes[slot as usize]
+    }
+
+    /// Returns whether a step or a result of the cycle uses some of the slots.
+    pub(crate) fn is_used(&self, slots: SlotRange) -> bool {
+        self.is_used[slots.range()].contains(&true)
     }
 
     pub(crate) fn region(&self, slot: u32) -> Region {

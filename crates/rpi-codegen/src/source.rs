@@ -7,6 +7,7 @@ use crate::identifiers::{mentions, variables_in};
 use crate::initial::{init_function, resets};
 use crate::literals::literal;
 use crate::locals::localise;
+use crate::order::order;
 use crate::parts::{Node, Parts, print};
 use crate::ports::{Direction, Meaning};
 use crate::statements::{Emitter, declarator, escaped, zero};
@@ -20,11 +21,7 @@ use std::collections::BTreeSet;
 pub(crate) fn write(mut emitter: Emitter<'_>) -> Emitted {
     let name = emitter.options.name.to_owned();
     let mut nodes = flows(&emitter);
-    let steps = emitter.image.steps.clone();
-    nodes.extend(emitter.phase(&steps));
-    nodes.extend(outputs(&mut emitter).into_iter().map(Node::Line));
-    let commit = emitter.image.commit.clone();
-    nodes.extend(emitter.phase(&commit));
+    nodes.extend(emitter.units(&order(emitter.image, emitter.slots), &outputs));
     let mut parts = Parts {
         functions: Vec::new(),
     };

@@ -6,6 +6,7 @@ use crate::c_type::{CType, is_single, port_element};
 use crate::functions::{Argument, Function, Part, function};
 use crate::identifiers::tokens;
 use crate::literals::literal;
+use crate::order::Unit;
 use crate::parts::Node;
 use crate::ports::Interface;
 use crate::scopes::Lifetime;
@@ -60,22 +61,31 @@ impl<'a> Emitter<'a> {
         }
     }
 
-    /// Returns the statements of one phase.
-    pub(crate) fn phase(&mut self, steps: &[Step]) -> Vec<Node> {
-        let mut open: Vec<(usize, String, Vec<Node>)> = Vec::new();
+    /// Returns the statements of units. `outputs` writes those of the results of the cycle.
+    pub(crate) fn units(
+        &mut self,
+        units: &[Unit],
+        outputs: &dyn Fn(&mut Self) -> Vec<String>,
+    ) -> Vec<Node> {
         let mut nodes = Vec::new();
-        for (pc, step) in steps.iter().enumerate() {
-            close(&mut open, &mut nodes, pc);
-            if let Step::Skip { unless, target } = *step {
-                let guard = self.variables.value(self.slots, unless, CType::Bool);
-                let outer = std::mem::take(&mut nodes);
-                open.push((target as usize, guard, outer));
-                self.last_line = None;
-            } else {
-                nodes.extend(self.step(step).into_iter().map(Node::Line));
+        for unit in units {
+            match unit {
+                Unit::Step(step) => nodes.extend(self.step(step).into_iter().map(Node::Line)),
+                Unit::Outputs => nodes.extend(outputs(self).into_iter().map(Node::Line)),
+                Unit::Block { unless, body } => {
+                    let guard = self.variables.value(self.slots, *unless, CType::Bool);
+                    self.last_line = None;
+                    let body = self.units(body, outputs);
+                    self.last_line = None;
+                    if !body.is_empty() {
+                        nodes.push(Node::Block {
+                            head: format!("if ({guard})"),
+                            body,
+                        });
+                    }
+                }
             }
         }
-        close(&mut open, &mut nodes, usize::MAX);
         nodes
     }
 
@@ -384,19 +394,6 @@ impl<'a> Emitter<'a> {
     pub(crate) fn word(&self, slot: u32) -> (String, CType) {
         let ty = shared_type(self.variables.of(slot).map(|v| v.ty));
         (self.variables.value(self.slots, slot, ty), ty)
-    }
-}
-
-/// Closes the blocks that end before the step `pc`.
-fn close(open: &mut Vec<(usize, String, Vec<Node>)>, nodes: &mut Vec<Node>, pc: usize) {
-    while let Some((_, guard, outer)) = open.pop_if(|block| block.0 <= pc) {
-        let body = std::mem::replace(nodes, outer);
-        if !body.is_empty() {
-            nodes.push(Node::Block {
-                head: format!("if ({guard})"),
-                body,
-            });
-        }
     }
 }
 

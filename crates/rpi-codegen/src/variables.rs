@@ -4,7 +4,7 @@ use crate::access::step_accesses;
 use crate::c_type::CType;
 use crate::identifiers::Names;
 use crate::literals::literal;
-use crate::ports::{Direction, Interface, Meaning};
+use crate::ports::Interface;
 use crate::scopes::Lifetime;
 use crate::slots::{Region, Slots};
 use rpi_image::image::{Image, SlotRange};
@@ -53,10 +53,11 @@ impl Variables {
         let whole = whole_writes(image, slots);
         let layout = image.layout;
         for object in slots.objects(layout.constants, layout.end) {
+            if !slots.is_used(object) && interface.object(object.start).is_none() {
+                continue;
+            }
             let storage = variables.storage(slots, object, &whole);
-            let field = interface.name(Direction::Input, Meaning::External(object.start));
-            let presence = Meaning::ExternalPresence(object.start);
-            let field = field.or_else(|| interface.name(Direction::Input, presence));
+            let field = interface.object(object.start);
             let name = match (storage, field) {
                 (Storage::Input, Some(field)) => field.to_owned(),
                 _ => names.unique(&source_name(image, object.start)),
