@@ -5,14 +5,16 @@ use std::path::PathBuf;
 use lsp_types::{
     CallHierarchyServerCapability, CodeActionKind, CodeActionOptions, CodeLensOptions,
     CompletionOptions, DiagnosticOptions, DiagnosticServerCapabilities, DocumentLinkOptions,
-    FoldingRangeProviderCapability, HoverProviderCapability, InitializeParams, InitializeResult,
-    LinkedEditingRangeServerCapabilities, OneOf, RenameOptions, SelectionRangeProviderCapability,
-    ServerCapabilities, ServerInfo, SignatureHelpOptions, TextDocumentSyncCapability,
-    TextDocumentSyncKind, TextDocumentSyncOptions, TypeDefinitionProviderCapability,
-    WorkDoneProgressOptions, WorkspaceFoldersServerCapabilities, WorkspaceServerCapabilities,
+    DocumentOnTypeFormattingOptions, FoldingRangeProviderCapability, HoverProviderCapability,
+    InitializeParams, InitializeResult, LinkedEditingRangeServerCapabilities, OneOf,
+    ReferencesOptions, RenameOptions, SelectionRangeProviderCapability, ServerCapabilities,
+    ServerInfo, SignatureHelpOptions, TextDocumentSyncCapability, TextDocumentSyncKind,
+    TextDocumentSyncOptions, TypeDefinitionProviderCapability, WorkDoneProgressOptions,
+    WorkspaceFoldersServerCapabilities, WorkspaceServerCapabilities, WorkspaceSymbolOptions,
 };
 
 use crate::line_index::Encoding;
+use crate::on_type_formatting::TRIGGERS;
 use crate::settings::Settings;
 use crate::{semantic_tokens, uri};
 
@@ -80,7 +82,7 @@ pub(crate) fn initialize_result(client: &ClientFeatures, settings: &Settings) ->
                     identifier: Some("rpic".to_owned()),
                     inter_file_dependencies: true,
                     workspace_diagnostics: true,
-                    work_done_progress_options: WorkDoneProgressOptions::default(),
+                    work_done_progress_options: WITH_PROGRESS,
                 })
             }),
             ..server_capabilities(client)
@@ -104,18 +106,27 @@ fn server_capabilities(client: &ClientFeatures) -> ServerCapabilities {
         }),
         definition_provider: Some(OneOf::Left(true)),
         type_definition_provider: Some(TypeDefinitionProviderCapability::Simple(true)),
-        references_provider: Some(OneOf::Left(true)),
+        references_provider: Some(OneOf::Right(ReferencesOptions {
+            work_done_progress_options: WITH_PROGRESS,
+        })),
         document_highlight_provider: Some(OneOf::Left(true)),
         linked_editing_range_provider: Some(LinkedEditingRangeServerCapabilities::Simple(true)),
         rename_provider: Some(OneOf::Right(RenameOptions {
             prepare_provider: Some(true),
-            work_done_progress_options: WorkDoneProgressOptions::default(),
+            work_done_progress_options: WITH_PROGRESS,
         })),
         call_hierarchy_provider: Some(CallHierarchyServerCapability::Simple(true)),
         document_symbol_provider: Some(OneOf::Left(true)),
-        workspace_symbol_provider: Some(OneOf::Left(true)),
+        workspace_symbol_provider: Some(OneOf::Right(WorkspaceSymbolOptions {
+            work_done_progress_options: WITH_PROGRESS,
+            resolve_provider: None,
+        })),
         document_formatting_provider: Some(OneOf::Left(true)),
         document_range_formatting_provider: Some(OneOf::Left(true)),
+        document_on_type_formatting_provider: Some(DocumentOnTypeFormattingOptions {
+            first_trigger_character: TRIGGERS.0.to_owned(),
+            more_trigger_character: Some(TRIGGERS.1.map(str::to_owned).to_vec()),
+        }),
         completion_provider: Some(completion_options()),
         code_action_provider: Some(
             CodeActionOptions {
@@ -149,6 +160,11 @@ fn server_capabilities(client: &ClientFeatures) -> ServerCapabilities {
         ..ServerCapabilities::default()
     }
 }
+
+/// Options of requests that report their progress.
+const WITH_PROGRESS: WorkDoneProgressOptions = WorkDoneProgressOptions {
+    work_done_progress: Some(true),
+};
 
 fn document_sync() -> TextDocumentSyncCapability {
     TextDocumentSyncCapability::Options(TextDocumentSyncOptions {

@@ -8,8 +8,9 @@ use serde_json::Value;
 use crate::workspace::Workspace;
 use crate::{
     call_hierarchy, code_actions, code_lenses, completion, document_links, folding, formatting,
-    highlights, hover, inlay_hints, linked_editing, navigation, pull_diagnostics, references,
-    rename, selection_ranges, semantic_tokens, signature_help, symbols, workspace_symbols,
+    highlights, hover, inlay_hints, linked_editing, navigation, on_type_formatting,
+    pull_diagnostics, references, rename, selection_ranges, semantic_tokens, signature_help,
+    symbols, workspace_symbols,
 };
 
 /// Error response to a request.
@@ -86,6 +87,10 @@ const REQUESTS: &[RequestHandler] = &[
     request_handler!(request::ResolveCompletionItem, completion::resolve),
     request_handler!(request::Formatting, formatting::formatting),
     request_handler!(request::RangeFormatting, formatting::range_formatting),
+    request_handler!(
+        request::OnTypeFormatting,
+        on_type_formatting::on_type_formatting
+    ),
     request_handler!(request::CodeActionRequest, code_actions::code_actions),
     request_handler!(request::CodeLensRequest, code_lenses::code_lenses),
     request_handler!(request::CodeLensResolve, code_lenses::resolve),

@@ -9,7 +9,7 @@
 //! | file | content |
 //! |---|---|
 //! | `framing.rs` | message framing and JSON-RPC |
-//! | `server.rs`, `cancellation.rs` | lifecycle of the server, scheduling of analyses, cancelled requests |
+//! | `server.rs`, `cancellation.rs`, `progress.rs` | lifecycle of the server, scheduling of analyses, cancelled requests, progress |
 //! | `dispatch.rs`, `notifications.rs` | tables of the supported requests and notifications |
 //! | `capabilities.rs`, `settings.rs` | capabilities of client and server, settings of the user |
 //! | `workspace.rs` | open documents, their analyses and published diagnostics |
@@ -27,7 +27,7 @@
 //! | `semantic_tokens.rs` | colours by meaning |
 //! | `syntax_ranges.rs`, `folding.rs`, `selection_ranges.rs` | ranges of the syntax tree |
 //! | `cursor_tokens.rs`, `completion/` | the text before the cursor, completion |
-//! | `formatting.rs` | formatting |
+//! | `formatting.rs`, `on_type_formatting.rs` | formatting, indentation while typing |
 
 mod builtin_documents;
 mod call_hierarchy;
@@ -52,8 +52,10 @@ mod linked_editing;
 mod locations;
 mod navigation;
 mod notifications;
+mod on_type_formatting;
 mod primitive;
 mod programs;
+mod progress;
 mod pull_diagnostics;
 mod refactor;
 mod references;

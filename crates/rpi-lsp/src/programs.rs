@@ -99,8 +99,10 @@ impl Workspace {
         declaration: &Declaration,
         visit: &mut ProgramVisitor<'_>,
     ) {
-        for path in self.programs(near) {
-            if self.is_cancelled() {
+        let programs = self.programs(near);
+        let all = programs.len();
+        for (done, path) in programs.into_iter().enumerate() {
+            if !self.goes_on(done, all) {
                 return;
             }
             // A file without the name cannot refer to it; checking it would take most of the time. The modules that

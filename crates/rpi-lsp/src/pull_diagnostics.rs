@@ -47,8 +47,10 @@ pub(crate) fn workspace(
 ) -> WorkspaceDiagnosticReportResult {
     let near = world.open_paths().into_iter().next().unwrap_or_default();
     let mut items = Vec::new();
-    for path in world.programs(&near) {
-        if world.is_cancelled() {
+    let programs = world.programs(&near);
+    let all = programs.len();
+    for (done, path) in programs.into_iter().enumerate() {
+        if !world.goes_on(done, all) {
             break;
         }
         let Some(uri) = world.uri_of(&path) else {

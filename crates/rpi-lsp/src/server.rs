@@ -14,6 +14,7 @@ use crate::capabilities::{self, ClientFeatures};
 use crate::dispatch::{self, RequestError};
 use crate::framing::{Received, response, to_json};
 use crate::notifications;
+use crate::progress::Progress;
 use crate::settings::Settings;
 use crate::workspace::Workspace;
 
@@ -132,10 +133,10 @@ impl Server {
                 Ok(Value::Null)
             }
             (method, Phase::Running(world)) => {
-                world.set_request(Some(request.id));
+                world.begin_request(request.id, method, &request.params);
                 let work = || dispatch::handle_request(world, method, request.params);
                 let result = catch_panic(work).unwrap_or_else(|| internal_error(method));
-                world.set_request(None);
+                world.end_request();
                 result
             }
         }
@@ -151,7 +152,8 @@ impl Server {
         let welcome = serde_json::to_value(welcome).unwrap_or_default();
         let folders = capabilities::folders(&params);
         let cancellations = self.cancellations.clone();
-        let world = Workspace::new(client, settings, folders, cancellations);
+        let progress = Progress::new(self.outbox.clone());
+        let world = Workspace::new(client, settings, folders, cancellations, progress);
         self.phase = Phase::Running(Box::new(world));
         Ok(welcome)
     }

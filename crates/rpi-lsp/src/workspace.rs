@@ -12,11 +12,13 @@ use std::time::{Duration, Instant};
 use lsp_server::RequestId;
 use lsp_types::{Diagnostic, Range, TextDocumentContentChangeEvent, Uri};
 use rpi_driver::{CheckSession, DiskLoader, FileLoader, Inspection};
+use serde_json::Value;
 
 use crate::cancellation::Cancellations;
 use crate::capabilities::ClientFeatures;
 use crate::line_index::LineIndex;
 use crate::locations::LocationMap;
+use crate::progress::Progress;
 use crate::semantic_tokens::SentTokens;
 use crate::settings::Settings;
 use crate::{diagnostics, uri};
@@ -107,6 +109,7 @@ pub(crate) struct Workspace {
     cancellations: Cancellations,
     /// Request that is being handled.
     request: Option<RequestId>,
+    progress: Progress,
     documents: BTreeMap<PathBuf, Document>,
     /// Diagnostics of files that the client has not received so far, in the order of the analyses.
     unpublished: Vec<FileDiagnostics>,
@@ -133,6 +136,7 @@ impl Workspace {
         settings: Settings,
         folders: Vec<PathBuf>,
         cancellations: Cancellations,
+        progress: Progress,
     ) -> Workspace {
         Workspace {
             client,
@@ -141,6 +145,7 @@ impl Workspace {
             completed: None,
             folders,
             cancellations,
+            progress,
             request: None,
             documents: BTreeMap::new(),
             unpublished: Vec::new(),
@@ -211,9 +216,23 @@ impl Workspace {
             .for_each(|document| document.schedule(now));
     }
 
-    /// Sets the request that is being handled; `None` between requests.
-    pub(crate) fn set_request(&mut self, request: Option<RequestId>) {
-        self.request = request;
+    /// Begins to handle a request.
+    pub(crate) fn begin_request(&mut self, request: RequestId, method: &str, params: &Value) {
+        self.request = Some(request);
+        self.progress.start(method, params);
+    }
+
+    /// Ends the request that is being handled.
+    pub(crate) fn end_request(&mut self) {
+        self.request = None;
+        self.progress.end();
+    }
+
+    /// Reports that a request has looked through `done` of `all` programs. Returns whether it goes on: false if the client
+    /// has cancelled it.
+    pub(crate) fn goes_on(&self, done: usize, all: usize) -> bool {
+        self.progress.report(done, all);
+        !self.is_cancelled()
     }
 
     /// Returns whether the client has cancelled the request that is being handled.

@@ -25,8 +25,10 @@ pub(crate) fn symbols(
 ) -> Option<WorkspaceSymbolResponse> {
     let mut found: Vec<(usize, WorkspaceSymbol)> = Vec::new();
     let near = world.open_paths().into_iter().next().unwrap_or_default();
-    for path in world.programs(&near) {
-        if world.is_cancelled() {
+    let programs = world.programs(&near);
+    let all = programs.len();
+    for (done, path) in programs.into_iter().enumerate() {
+        if !world.goes_on(done, all) {
             return None;
         }
         let declared = declarations(world, &path);

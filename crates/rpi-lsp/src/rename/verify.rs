@@ -16,8 +16,8 @@ use crate::workspace::Workspace;
 /// Returns an error with the reason if the rename changes the meaning of a program.
 pub(super) fn verify(world: &Workspace, plan: &RenamePlan, new: &str) -> Result<(), RequestError> {
     let edited = EditedFiles::new(world, plan, new);
-    for (path, before) in &plan.programs {
-        if world.is_cancelled() {
+    for (done, (path, before)) in plan.programs.iter().enumerate() {
+        if !world.goes_on(done, plan.programs.len()) {
             return Ok(());
         }
         let Some(text) = edited.text(path) else {
