@@ -100,13 +100,19 @@ fn step(open: &mut Vec<Open>, word: &str) {
     match word {
         "let" => open.push(Open::Let),
         "automaton" => open.push(Open::Automaton),
-        "state" => {
+        "state" if is_in_automaton(open) => {
             close(open, word);
             open.push(Open::State);
         }
         "(" | "<<" | "[" | "{" => open.push(Open::Bracket),
         _ => close(open, word),
     }
+}
+
+/// Returns whether a state can stand here. Elsewhere `state` is a name.
+fn is_in_automaton(open: &[Open]) -> bool {
+    let block = open.iter().rfind(|one| **one != Open::Bracket);
+    matches!(block, Some(Open::Automaton | Open::State))
 }
 
 /// Closes what a token ends. Brackets that a block leaves open are closed with it.

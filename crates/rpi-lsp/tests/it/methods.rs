@@ -76,11 +76,11 @@ fn rows() -> Vec<Row> {
             "textDocument/rangeFormatting",
             "",
             json!({ "options": options, "range": range }),
-            (
-                "textDocument/onTypeFormatting",
-                "finish there",
-                json!({ "options": options, "ch": "\n" }),
-            ),
+        ),
+        (
+            "textDocument/onTypeFormatting",
+            "finish there",
+            json!({ "options": options, "ch": "\n" }),
         ),
         (
             "textDocument/codeAction",
