@@ -8,8 +8,10 @@ use rpi_bench::table::Table;
 use rpi_bench::{BenchError, generate};
 use rpi_net::Net;
 
-/// Families of nets: name, and function that generates a net of a number of primitives.
-const KINDS: [(&str, fn(usize) -> Net); 3] = [
+/// Family of nets: name, and function that generates a net of a number of primitives.
+type Kind = (&'static str, fn(usize) -> Net);
+
+const KINDS: [Kind; 3] = [
     ("filter chain", |n| generate::biquad(n / 11)),
     ("control loops", |n| generate::pid(n / 26)),
     ("irregular", |n| generate::mixed(n, 1)),
@@ -44,7 +46,7 @@ pub(crate) fn rows(table: &mut Table) {
 fn measure_inactive(table: &mut Table, row: &str, size: usize) -> Option<()> {
     let texts = [true, false].map(|fragments| emitted_c_text(&inactive_net(fragments, size)));
     let texts = texts.map(|text| text.expect("the nets of the benchmark have C"));
-    let best = best_times(&texts, 100_000)?.0;
+    let best = best_times(&texts, 100_000)?.best;
     let ns = (best[0] - best[1]) / MANY as f64;
     table.add_row(row, ns, 2.0, "ns", "per fragment and cycle");
     Some(())
@@ -55,8 +57,8 @@ fn measure(table: &mut Table, row: &str, net: &Net) -> Option<()> {
     let cycles = 10_000_000 / size as u64 + 5;
     let texts = [emitted_c_text(net), flat_c_text(net)];
     let texts = texts.map(|text| text.expect("the nets of the benchmark have C"));
-    let (best, bits) = best_times(&texts, cycles)?;
-    let bits = match bits[0] == bits[1] {
+    let Measured { best, last } = best_times(&texts, cycles)?;
+    let bits = match last[0] == last[1] {
         true => "same bits",
         false => "OTHER BITS",
     };
@@ -66,9 +68,14 @@ fn measure(table: &mut Table, row: &str, net: &Net) -> Option<()> {
     Some(())
 }
 
-/// Compiles two programs and runs batches of cycles in turn. Returns the shortest time of a cycle of each in ns, and the number
-/// of cycles and the bits of its export; `None` without a C compiler.
-fn best_times(texts: &[String; 2], cycles: u64) -> Option<([f64; 2], [(u64, u64); 2])> {
+/// Times of two programs: the shortest time of a cycle of each in ns, and the number of cycles and the bits of its export.
+struct Measured {
+    best: [f64; 2],
+    last: [(u64, u64); 2],
+}
+
+/// Compiles two programs and runs batches of cycles in turn. Returns `None` without a C compiler.
+fn best_times(texts: &[String; 2], cycles: u64) -> Option<Measured> {
     with_temp_dir(|dir| {
         let compile = |name: &str, text: &str| {
             let dir = dir.join(name);
@@ -82,6 +89,7 @@ fn best_times(texts: &[String; 2], cycles: u64) -> Option<([f64; 2], [(u64, u64)
                 *best = best.min(program.batch(cycles)?);
             }
         }
-        Ok::<_, BenchError>((best, programs.map(|program| program.last())))
+        let last = programs.map(|program| program.last());
+        Ok::<_, BenchError>(Measured { best, last })
     })
 }

@@ -367,36 +367,24 @@ impl Builder<'_> {
             CommandEnd::Results(results) if results.is_empty() => {}
             CommandEnd::Results(_) => {
                 let text = "number of the result with which the command ends, else 0";
-                self.add(Field::new(
-                    Direction::Output,
-                    "result",
-                    CType::Int,
-                    1,
-                    Meaning::Result,
-                    text,
-                ));
+                self.end_field("result", CType::Int, Meaning::Result, text);
             }
-            CommandEnd::Ports { .. } => {
-                let text = "whether the command ends";
-                self.add(Field::new(
-                    Direction::Output,
-                    "terminated",
-                    CType::Bool,
-                    1,
-                    Meaning::Terminated,
-                    text,
-                ));
-                let text = "error number with which the command ends, 0 if there is none";
-                self.add(Field::new(
-                    Direction::Output,
-                    "error_number",
-                    CType::Int,
-                    1,
-                    Meaning::ErrorNumber,
-                    text,
-                ));
+            CommandEnd::Ports { terminate, fail } => {
+                // A node has neither.
+                if terminate.is_some() {
+                    let text = "whether the command ends";
+                    self.end_field("terminated", CType::Bool, Meaning::Terminated, text);
+                }
+                if fail.is_some() {
+                    let text = "error number with which the command ends, 0 if there is none";
+                    self.end_field("error_number", CType::Int, Meaning::ErrorNumber, text);
+                }
             }
         }
+    }
+
+    fn end_field(&mut self, name: &str, ty: CType, meaning: Meaning, text: &str) {
+        self.add(Field::new(Direction::Output, name, ty, 1, meaning, text));
     }
 
     fn set_point(&mut self, actuator: u32, port: &DevicePort, inputs: &[SlotRange]) {

@@ -207,26 +207,20 @@ fn end(emitter: &Emitter<'_>) -> Vec<String> {
             lines
         }
         CommandEnd::Ports { terminate, fail } => {
-            let ends = terminate
-                .as_ref()
-                .map_or_else(|| "false".to_owned(), is_true);
-            let number = fail.as_ref().map_or_else(
-                || "0".to_owned(),
-                |fail| {
-                    let value = variables.value(slots, fail.start, CType::Int);
-                    match fail.present {
-                        TRUE => value,
-                        present => {
-                            let present = variables.value(slots, present, CType::Bool);
-                            format!("{present} ? {value} : 0")
-                        }
+            let terminate = terminate.as_ref().map(is_true);
+            let terminate = terminate.map(|ends| format!("out->terminated = {ends};"));
+            let fail = fail.as_ref().map(|fail| {
+                let value = variables.value(slots, fail.start, CType::Int);
+                let number = match fail.present {
+                    TRUE => value,
+                    present => {
+                        let present = variables.value(slots, present, CType::Bool);
+                        format!("{present} ? {value} : 0")
                     }
-                },
-            );
-            vec![
-                format!("out->terminated = {ends};"),
-                format!("out->error_number = {number};"),
-            ]
+                };
+                format!("out->error_number = {number};")
+            });
+            terminate.into_iter().chain(fail).collect()
         }
     }
 }

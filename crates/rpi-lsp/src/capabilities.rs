@@ -123,22 +123,9 @@ fn server_capabilities(client: &ClientFeatures) -> ServerCapabilities {
         })),
         document_formatting_provider: Some(OneOf::Left(true)),
         document_range_formatting_provider: Some(OneOf::Left(true)),
-        document_on_type_formatting_provider: Some(DocumentOnTypeFormattingOptions {
-            first_trigger_character: TRIGGERS.0.to_owned(),
-            more_trigger_character: Some(TRIGGERS.1.map(str::to_owned).to_vec()),
-        }),
+        document_on_type_formatting_provider: Some(on_type_options()),
         completion_provider: Some(completion_options()),
-        code_action_provider: Some(
-            CodeActionOptions {
-                code_action_kinds: Some(vec![
-                    CodeActionKind::QUICKFIX,
-                    CodeActionKind::REFACTOR,
-                    FIX_ALL,
-                ]),
-                ..CodeActionOptions::default()
-            }
-            .into(),
-        ),
+        code_action_provider: Some(code_action_options().into()),
         code_lens_provider: Some(CodeLensOptions {
             resolve_provider: Some(true),
         }),
@@ -172,6 +159,24 @@ fn document_sync() -> TextDocumentSyncCapability {
         change: Some(TextDocumentSyncKind::INCREMENTAL),
         ..TextDocumentSyncOptions::default()
     })
+}
+
+fn code_action_options() -> CodeActionOptions {
+    CodeActionOptions {
+        code_action_kinds: Some(vec![
+            CodeActionKind::QUICKFIX,
+            CodeActionKind::REFACTOR,
+            FIX_ALL,
+        ]),
+        ..CodeActionOptions::default()
+    }
+}
+
+fn on_type_options() -> DocumentOnTypeFormattingOptions {
+    DocumentOnTypeFormattingOptions {
+        first_trigger_character: TRIGGERS.0.to_owned(),
+        more_trigger_character: Some(TRIGGERS.1.map(str::to_owned).to_vec()),
+    }
 }
 
 fn completion_options() -> CompletionOptions {

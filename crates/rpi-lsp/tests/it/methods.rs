@@ -49,6 +49,7 @@ fn rows() -> Vec<Row> {
         "end": { "line": 15, "character": 0 },
     });
     let options = json!({ "tabSize": 2, "insertSpaces": true });
+    let on_type = json!({ "options": options, "ch": "\n" });
     vec![
         ("textDocument/hover", "step;", json!({})),
         ("textDocument/signatureHelp", "1[mm])", json!({})),
@@ -77,11 +78,7 @@ fn rows() -> Vec<Row> {
             "",
             json!({ "options": options, "range": range }),
         ),
-        (
-            "textDocument/onTypeFormatting",
-            "finish there",
-            json!({ "options": options, "ch": "\n" }),
-        ),
+        ("textDocument/onTypeFormatting", "finish there", on_type),
         (
             "textDocument/codeAction",
             "",
