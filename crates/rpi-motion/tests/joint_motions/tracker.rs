@@ -69,8 +69,9 @@ impl Swing {
     }
 
     fn at(&self, time: f64) -> Joints {
-        let sine = (self.rate * time / 2.0).sin();
-        core::array::from_fn(|axis| self.begin[axis] + self.amplitude[axis] * sine.powi(4) / 4.0)
+        let sine = rpi_math::sin(self.rate * time / 2.0);
+        let share = sine * sine * sine * sine / 4.0;
+        core::array::from_fn(|axis| self.begin[axis] + self.amplitude[axis] * share)
     }
 }
 
