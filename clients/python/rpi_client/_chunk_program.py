@@ -43,7 +43,8 @@ class ChunkOptions:
     have velocities. With ``poses`` the rows are poses of the tool. ``gripper`` names a gripper of the cell whose opening belongs to the chunks.
     ``channels`` names other actuators whose values belong to them, with their units: ``{"spindle.speed": "rad/s"}``; an empty unit is a plain
     number, ``"bool"`` a truth value, true from 0.5 on. An output of a digital or analogue device has an index, as in ``{"torch.set[0]": "bool"}``; all
-    outputs before it must be named, too. Before the first chunk, outputs keep their values and other actuators are 0. ``observe`` names further sensors for the observations:
+    outputs before it must be named, too. Before the first chunk, outputs keep their values and other actuators are 0. ``off_at_rest`` names those truth
+    values among them that are false while the arm rests, because the next chunk is late or the operator pauses: a torch, but no vacuum gripper. ``observe`` names further sensors for the observations:
     ``"force"`` of the arm, ``"hand.opening"`` of another device, which has the name ``hand_opening`` in the values, or ``"torch.get[0]"``."""
 
     rows: int = 50
@@ -58,6 +59,7 @@ class ChunkOptions:
     gripper: str | None = None
     channels: Mapping[str, str] = field(default_factory=dict)
     observe: Sequence[str] = ()
+    off_at_rest: Sequence[str] = ()
 
     def check(self) -> None:
         """``ValueError`` for a number that is out of its range, and for options that exclude each other."""
@@ -72,6 +74,9 @@ class ChunkOptions:
                 raise ValueError(f"{name} is {value}, not from {least} to {most}")
         if self.poses and self.velocities:
             raise ValueError("chunks of poses have no velocities")
+        for name in self.off_at_rest:
+            if self.channels.get(name) != "bool":
+                raise ValueError(f'off_at_rest: {name} is no truth value among the channels; add {name!r}: "bool" to them')
 
 
 def chunk_program(arm: str, joint_count: int, types: dict[str, tuple[str, str]], options: ChunkOptions) -> str:
@@ -92,6 +97,7 @@ def chunk_program(arm: str, joint_count: int, types: dict[str, tuple[str, str]],
         *_inputs(joint_count, options),
         *_motion(arm, joint_count, options),
         *_counters(),
+        *([f"arm_moves = {arm}.moving;"] if options.off_at_rest else []),
         *(line for channel in _channels(options) for line in channel.lines()),
         *_outputs(devices, options),
         *_exports(arm, options),
@@ -226,6 +232,8 @@ def _channels(options: ChunkOptions) -> list[_Channel]:
         channels.append(_Channel("widths", f"{hand}.width", "{} * 1[m]", f"{hand}.opening"))
     for name, unit in options.channels.items():
         value, first = _conversion(name, unit)
+        if name in options.off_at_rest:
+            value = f"{value} and arm_moves"
         terminal = terminal_of(name)
         if terminal is not None:
             first = terminal.present_value(is_digital=unit == "bool")

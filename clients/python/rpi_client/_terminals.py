@@ -36,10 +36,20 @@ def terminals_of(device: str, port: str, names: Iterable[str]) -> list[int]:
     return sorted({t.number for t in terminals if t is not None and (t.device, t.port) == (device, port)})
 
 
+def check_single_terminals(device: str, names: Iterable[str]) -> None:
+    """Raises ``ValueError`` for a name of all inputs or outputs of a device with terminals: a stream has one value in a row for each of them."""
+    for name in names:
+        port = name.removeprefix(f"{device}.")
+        if port in {"get", "set"} and port != name:
+            kind, option = ("inputs", "observe") if port == "get" else ("outputs", "channels")
+            raise ValueError(f"{option}: {name} is all {kind} of {device}; name them one by one, such as {name}[0]")
+
+
 def type_with_terminals(device: str, outputs: Mapping[str, str], inputs: Iterable[str]) -> str:
     """Returns the type of a device in a program that drives these outputs, with their units, and reads these inputs, with the numbers of both.
     Without outputs it is digital. ``ValueError`` if outputs of both types are named, or if one before the last is not: a program drives all up to
     the last one together."""
+    check_single_terminals(device, [*outputs, *inputs])
     driven = terminals_of(device, "set", outputs)
     missing = sorted(set(range(driven[-1])) - set(driven)) if driven else []
     if missing:

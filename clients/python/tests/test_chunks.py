@@ -357,6 +357,10 @@ class ChunkTest(ArmTest):
                 await arm.open_chunks(ChunkOptions(channels={"box.set[1]": "bool"}))
             with self.assertRaisesRegex(ValueError, "box has digital and analogue outputs"):
                 await arm.open_chunks(ChunkOptions(channels={"box.set[0]": "bool", "box.set[1]": ""}))
+            with self.assertRaisesRegex(ValueError, r"channels: box.set is all outputs of box; name them one by one, such as box.set\[0\]"):
+                await arm.open_chunks(ChunkOptions(channels={"box.set": "bool"}))
+            with self.assertRaisesRegex(ValueError, r"observe: box.get is all inputs of box; name them one by one, such as box.get\[0\]"):
+                await arm.open_chunks(ChunkOptions(observe=["box.get"]))
             channels = {"box.set[1]": "bool", "box.set[0]": "bool"}
             options = ChunkOptions(rows=40, channels=channels, observe=["box.get[1]"])
             outputs = await session.load(OUTPUTS)
@@ -371,14 +375,44 @@ class ChunkTest(ArmTest):
                 rows = [stream.latest.commanded] * 40
                 with self.assertRaisesRegex(ValueError, "channels: box_set_1 of this stream needs a value"):
                     await stream.send(Chunk(rows, channels={"box.set[0]": [0.0] * 40}))
-                await stream.send(Chunk(rows, channels={"box.set[1]": [False] * 5 + [True] * 35, "box.set[0]": [0.0] * 40}))
                 seen: list[object] = []
+                async for feedback in outputs.feedback():
+                    if feedback.values:
+                        seen.append(feedback.values["first_output"])
+                        break
+                await stream.send(Chunk(rows, channels={"box.set[1]": [False] * 5 + [True] * 35, "box.set[0]": [0.0] * 40}))
                 async for feedback in outputs.feedback():
                     if feedback.values:
                         seen.append(feedback.values["first_output"])
                         if feedback.values["second_output"]:
                             break
                 self.assertEqual([seen[0], seen[-1]], [True, False], seen)
+
+        await self.with_arm(work)
+
+    async def test_outputs_are_off_at_rest(self) -> None:
+        """The arm rests at the last row, because no chunk follows: the first output goes out, the second one stays on."""
+
+        async def work(session: Session, arm: Arm) -> None:
+            channels = {"box.set[0]": "bool", "box.set[1]": "bool"}
+            with self.assertRaisesRegex(ValueError, r"off_at_rest: torch.set\[0\] is no truth value among the channels"):
+                await arm.open_chunks(ChunkOptions(channels=channels, off_at_rest=["torch.set[0]"]))
+            options = ChunkOptions(rows=40, channels=channels, off_at_rest=["box.set[0]"])
+            outputs = await session.load(OUTPUTS)
+            async with await arm.open_chunks(options) as stream, outputs:
+                await outputs.start()
+                assert stream.latest is not None
+                home = stream.latest.commanded
+                rows = [[home[0] + 0.001 * k, *home[1:]] for k in range(40)]
+                await stream.send(Chunk(rows, channels={name: [True] * 40 for name in channels}))
+                seen: list[tuple[object, object]] = []
+                async for feedback in outputs.feedback():
+                    if feedback.values:
+                        seen.append((feedback.values["first_output"], feedback.values["second_output"]))
+                        if ((True, True) in seen and seen[-1] == (False, True)) or len(seen) > 5000:
+                            break
+                self.assertIn((True, True), seen)
+                self.assertEqual(seen[-1], (False, True))
 
         await self.with_arm(work)
 

@@ -172,6 +172,21 @@ impl Core {
         decision.conclude();
     }
 
+    /// Sets these resources (actuators) to their safe values, except those that a running command holds: the program whose
+    /// commands have set them will not go on.
+    pub fn make_safe(&mut self, resources: &[u32], bank: &mut dyn DeviceBank) {
+        let commands = &self.schedule.commands;
+        let runs = |place: usize| {
+            commands
+                .get(place)
+                .is_some_and(|e| e.command.state.is_running())
+        };
+        let is_free = |resource: &&u32| !commands.holders(**resource).any(runs);
+        for resource in resources.iter().filter(is_free) {
+            bank.make_safe(*resource);
+        }
+    }
+
     /// Removes and returns a command, to be freed outside the cycle. A scheduled command is unscheduled first.
     /// Conditions of rules keep the final values of the facts about the command.
     ///

@@ -175,6 +175,9 @@ impl Ports {
             refusal = refusal.union(Rejection::CONCURRENT_ACCESS);
             cx.fault(FaultCode::ConcurrentAccess, actuator.origin_slot());
         }
+        if refusal.intersects(Rejection::KEEPS_VALUE) {
+            cx.fault(FaultCode::DeviceFailed, actuator.origin_slot());
+        }
         let accepted = refusal == Rejection::NONE;
         for h in held.iter_mut() {
             h.claimed = true;

@@ -99,6 +99,9 @@ impl Rejection {
     pub const DEVICE_FAILED: Rejection = Rejection(2);
     /// The set-point is out of reach, outside its limits, or not a number.
     pub const ILLEGAL_VALUE: Rejection = Rejection(4);
+    /// The actuator keeps its value without a set-point, and the program has no port that reports the rejection: the core ends the
+    /// command with a fault.
+    pub const KEEPS_VALUE: Rejection = Rejection(8);
 
     /// Returns true if `self` and `other` have a reason in common.
     #[must_use]

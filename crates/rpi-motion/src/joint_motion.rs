@@ -7,8 +7,10 @@
 //!
 //! Nothing allocates, and the work of a cycle is bounded: at most five plans of each axis.
 
+mod exact;
 mod outlook;
 
+pub(crate) use self::exact::Share;
 use self::outlook::states_on;
 use crate::node::{USED_JERK_SHARE, USED_SHARE};
 use crate::online::{AxisLimits, MotionOptions, OnlineMotion, Synchronization};

@@ -52,10 +52,11 @@ impl MotionSink {
             ));
         }
         for device in self.devices(SWITCH) {
-            charts.push(chart(
-                format!("{device}: digital outputs"),
-                self.switches(device, dt),
-            ));
+            charts.push(Chart {
+                title: format!("{device}: digital outputs"),
+                lines: self.lines(SWITCH, device, ("output", |cell| cell as f64), dt),
+                levels: ["false", "true"].map(str::to_owned).to_vec(),
+            });
         }
         Plot {
             title: title.to_owned(),
@@ -119,18 +120,6 @@ impl MotionSink {
         )
     }
 
-    /// Returns the digital outputs of a device as lines of a chart, each with its own vertical offset so that no line
-    /// hides another. `dt` is the tick length in seconds.
-    fn switches(&self, device: &str, dt: f64) -> Vec<Line> {
-        let mut lines = self.lines(SWITCH, device, ("output", |cell| cell as f64), dt);
-        for (k, line) in lines.iter_mut().enumerate() {
-            line.points
-                .iter_mut()
-                .for_each(|p| p.1 = p.1 * 0.8 + k as f64);
-        }
-        lines
-    }
-
     fn path(&self, device: &str, dt: f64) -> SpacePath {
         let mut mine = self.samples_of(TOOL).filter(|(of, ..)| *of == device);
         let samples = mine.next().map_or(&[][..], |(_, _, samples)| samples);
@@ -145,7 +134,11 @@ impl MotionSink {
 }
 
 fn chart(title: String, lines: Vec<Line>) -> Chart {
-    Chart { title, lines }
+    Chart {
+        title,
+        lines,
+        levels: Vec::new(),
+    }
 }
 
 /// Returns the slope of a line between successive samples, as a line of velocities per second.

@@ -2,7 +2,7 @@
 
 use crate::bank::CellDevice;
 use crate::cell::{InputChange, IoSpec, TerminalSpec};
-use crate::device::{Device, PortIndex, PortSpec, PortValue, find_port, is_in_row};
+use crate::device::{Device, PortIndex, PortSpec, PortValue, Report, find_port, is_in_row};
 use crate::error_code::ErrorCode;
 use core::ops::Range;
 use rpi_device::{PortKind, PortQuery, Rejection, ResolveError};
@@ -14,6 +14,12 @@ pub(crate) struct IoDevice {
     banks: [TerminalBank; 2],
     /// True if an output has changed to its safe value since the last step.
     has_made_safe: bool,
+    /// Simulated time, s.
+    time: f64,
+    /// Error code of the last set-point.
+    code: ErrorCode,
+    /// Rejection of a set-point that was not reported yet.
+    report: Option<Report>,
 }
 
 /// Inputs and outputs of one type in a terminal block, one memory slot each.
@@ -79,6 +85,9 @@ const fn bank_row(
     }
 }
 
+/// Name of the actuators of programs: all outputs, or one.
+const SET: &str = "set";
+
 const PORTS: &[PortRow] = &[
     terminal_row("in.bool", PortKind::Sensor, Scalar::Bool, 0, false),
     terminal_row("out.bool", PortKind::Sensor, Scalar::Bool, 0, true),
@@ -89,13 +98,13 @@ const PORTS: &[PortRow] = &[
     // Ports of the device types of `.rpi`.
     bank_row("get", PortKind::Sensor, Scalar::Bool, 0, false),
     bank_row("get", PortKind::Sensor, Scalar::Real, 1, false),
-    bank_row("set", PortKind::Actuator, Scalar::Bool, 0, true),
-    bank_row("set", PortKind::Actuator, Scalar::Real, 1, true),
+    bank_row(SET, PortKind::Actuator, Scalar::Bool, 0, true),
+    bank_row(SET, PortKind::Actuator, Scalar::Real, 1, true),
     // Programs access arrays element by element.
     terminal_row("get", PortKind::Sensor, Scalar::Bool, 0, false),
     terminal_row("get", PortKind::Sensor, Scalar::Real, 1, false),
-    terminal_row("set", PortKind::Actuator, Scalar::Bool, 0, true),
-    terminal_row("set", PortKind::Actuator, Scalar::Real, 1, true),
+    terminal_row(SET, PortKind::Actuator, Scalar::Bool, 0, true),
+    terminal_row(SET, PortKind::Actuator, Scalar::Real, 1, true),
 ];
 
 /// Returns the descriptions of the ports of a terminal block, for the manual.
@@ -111,6 +120,9 @@ impl IoDevice {
                 TerminalBank::new(&spec.analogue, f64::to_bits),
             ],
             has_made_safe: false,
+            time: 0.0,
+            code: ErrorCode::OK,
+            report: None,
         };
         io.banks.iter_mut().for_each(|bank| bank.step(0.0));
         io
@@ -174,6 +186,14 @@ impl IoDevice {
         let end = if line.spec.indexed { first + 1 } else { count };
         (end <= count).then_some((line, first..end))
     }
+
+    /// Returns the row of the port table for a port, and the first number of a set-point for it that is not finite; `None` if
+    /// there is none.
+    fn not_finite(&self, slot: PortIndex, value: &[u64]) -> Option<(&'static PortRow, f64)> {
+        let (line, _) = self.terminals(slot).filter(|(line, _)| line.bank == 1)?;
+        let mut numbers = value.iter().map(|bits| f64::from_bits(*bits));
+        Some((line, numbers.find(|number| !number.is_finite())?))
+    }
 }
 
 impl CellDevice for IoDevice {
@@ -225,21 +245,50 @@ impl Device for IoDevice {
     }
 
     fn check(&mut self, slot: PortIndex, value: &[u64]) -> Rejection {
-        let real = self.terminals(slot).is_some_and(|(line, _)| line.bank == 1);
-        let finite = value.iter().all(|bits| f64::from_bits(*bits).is_finite());
-        if real && !finite {
-            Rejection::ILLEGAL_VALUE
-        } else {
-            Rejection::NONE
+        let terminals = self.terminals(slot);
+        let Some((line, bad)) = self.not_finite(slot, value) else {
+            // A digital output says nothing about the analogue ones.
+            if terminals.is_some_and(|(line, _)| line.bank == 1) {
+                self.code = ErrorCode::OK;
+            }
+            return Rejection::NONE;
+        };
+        if self.code == ErrorCode::OK {
+            self.code = ErrorCode::NOT_A_NUMBER;
+            self.report = Some(Report {
+                time: self.time,
+                axis: None,
+                code: self.code,
+                value: bad,
+                limit: 0.0,
+            });
+        }
+        // The primitives of nets have out-ports for the rejection, programs have none.
+        match line.spec.name {
+            SET => Rejection::ILLEGAL_VALUE.union(Rejection::KEEPS_VALUE),
+            _ => Rejection::ILLEGAL_VALUE,
         }
     }
 
     fn port_code(&self, _slot: PortIndex) -> ErrorCode {
-        ErrorCode::OK
+        self.code
+    }
+
+    fn code(&self) -> ErrorCode {
+        self.code
+    }
+
+    fn begin_command(&mut self, _resource: u32, _ticks: u32) {
+        self.code = ErrorCode::OK;
+    }
+
+    fn reports(&mut self, each: &mut dyn FnMut(Report)) -> u64 {
+        self.report.take().into_iter().for_each(each);
+        0
     }
 
     fn write(&mut self, slot: PortIndex, value: &[u64]) {
-        let accepted = self.check(slot, value) == Rejection::NONE;
+        let accepted = self.not_finite(slot, value).is_none();
         let terminals = self
             .terminals(slot)
             .filter(|(line, _)| line.spec.kind == PortKind::Actuator);
@@ -264,6 +313,7 @@ impl Device for IoDevice {
 
     fn step(&mut self, time: f64) {
         self.has_made_safe = false;
+        self.time = time;
         self.banks.iter_mut().for_each(|bank| bank.step(time));
     }
 }

@@ -82,9 +82,19 @@ fn the_outcome_has_the_statistics_of_the_task() {
 
 /// Runs a job with these options, which exits with this status. Returns its recorded rows of this flow: cycle and value.
 fn recorded(job: &str, options: &[&str], status: i32, flow: &str) -> Vec<(u64, String)> {
+    recorded_program(&program(job), options, status, flow)
+}
+
+/// As [`recorded`], for a program in another file.
+fn recorded_program(
+    program: &Path,
+    options: &[&str],
+    status: i32,
+    flow: &str,
+) -> Vec<(u64, String)> {
     let folder = tempfile::tempdir().unwrap();
     let record = folder.path().join("run.csv");
-    let files = [program(job), record.clone()].map(|file| file.to_str().unwrap().to_owned());
+    let files = [program, &record].map(|file| file.to_str().unwrap().to_owned());
     let mut arguments = vec!["run", &files[0], "--record", &files[1]];
     arguments.extend(options);
     let output = rpi(&arguments);
@@ -146,6 +156,56 @@ fn the_weave_goes_across_the_seam_and_the_torch_burns_along_it() {
         (last - 0.002).abs() < 2e-5,
         "off at {last} m before the end"
     );
+}
+
+/// The speed of the motion is set to 0 for three seconds in the seam: the arm comes to rest, and the torch must not burn a hole there.
+#[test]
+fn the_torch_is_off_while_the_tool_rests() {
+    let folder = tempfile::tempdir().unwrap();
+    let text = std::fs::read_to_string(program("welding")).unwrap();
+    let end_of_call = "jerk: 12[m/s^3]";
+    assert!(text.contains(end_of_call), "{text}");
+    let slowed = "jerk: 12[m/s^3], override: if time > 3[s] and time < 6[s] then 0.0 else 1.0";
+    let changed = folder.path().join("changed.rpi");
+    std::fs::write(&changed, text.replace(end_of_call, slowed)).unwrap();
+    let cell = program("welding").with_file_name("cell.toml");
+    let options = ["--cell", cell.to_str().unwrap()];
+    let torch = recorded_program(&changed, &options, 0, "torch.out.bool");
+    let tool = recorded_program(&changed, &options, 0, "arm.tcp.commanded_position");
+    let places: std::collections::BTreeMap<u64, &String> =
+        tool.iter().map(|(cycle, place)| (*cycle, place)).collect();
+    let mut rested = 0;
+    for (cycle, burns) in &torch {
+        let [before, now] = [cycle.saturating_sub(10), *cycle].map(|cycle| places.get(&cycle));
+        let rests = before == now;
+        assert!(!rests || burns == "false", "at rest in cycle {cycle}");
+        rested += u32::from(rests && *cycle > 2000);
+    }
+    assert!(rested > 2000, "the tool rests in {rested} cycles only");
+    let changes = torch.windows(2).filter(|pair| pair[0].1 != pair[1].1);
+    assert_eq!(changes.count(), 4, "on and off, twice");
+}
+
+/// The operator slows the feed by slowing the spindle, which the arm follows: 0.8 mm for each turn, at 40 rad/s.
+#[test]
+fn the_feed_of_a_screw_has_the_speed_of_the_operator() {
+    /// Number of cycles over which the feed is measured.
+    const CYCLES: usize = 100;
+    let feed = |options: &[&str]| {
+        let tool = recorded("screwing", options, 0, "arm.tcp.commanded_position");
+        let heights: Vec<f64> = tool.iter().map(|(_, pose)| coordinate(pose, "z")).collect();
+        let driven = heights.windows(CYCLES + 1).filter(|part| part[0] < 0.2999);
+        let speeds = driven.map(|part| (part[0] - part[CYCLES]) / (CYCLES as f64 * 1e-3));
+        speeds.fold(0.0, f64::max)
+    };
+    let whole = 0.8e-3 * 40.0 / std::f64::consts::TAU;
+    for (options, share) in [(&[][..], 1.0), (&["--override", "0.5"], 0.5)] {
+        let found = feed(options);
+        assert!(
+            (found - share * whole).abs() < 1e-5,
+            "{options:?}: {found} m/s"
+        );
+    }
 }
 
 /// The torch burns before each of these endings: no arc, a failure of the arm, a fault, the end of the run by `--time`.

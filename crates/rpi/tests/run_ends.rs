@@ -48,3 +48,37 @@ tel
     assert!(text.contains("the device refuses its set-point"), "{text}");
     assert!(text.contains("velocity at axis 0"), "{text}");
 }
+
+/// An analogue output would keep its value, and the program would go on as if it had set it. The fault sets the safe value.
+#[test]
+fn an_output_that_is_not_a_number_is_a_fault_with_its_place() {
+    let folder = tempfile::tempdir().unwrap();
+    let program = folder.path().join("valve.rpi");
+    let text = "use io;
+command Open (valve: AnalogueIo<<0, 2>>)
+let
+  opening = if time < 5[ms] then 0.5 else 0.0 / 0.0;
+  valve.set = [0.25, opening];
+  finish over when time > 1[s];
+tel
+";
+    std::fs::write(&program, text).unwrap();
+    let cell = "[devices.valve]\nkind = \"analogue-io\"\noutputs = 2\n\
+                safe = [{ output = 1, value = 0.125 }]\n";
+    std::fs::write(folder.path().join("cell.toml"), cell).unwrap();
+    let record = folder.path().join("run.csv");
+    let files = [&program, &record].map(|file| file.to_str().unwrap());
+    let run = rpi(&["run", files[0], "--record", files[1]]);
+    let text = printed(&run);
+    assert_eq!(run.status.code(), Some(3), "{text}");
+    assert!(text.contains("FAULT at valve.set"), "{text}");
+    assert!(text.contains("valve.rpi:5"), "{text}");
+    assert!(text.contains("not-a-number"), "{text}");
+    let rows = std::fs::read_to_string(record).unwrap();
+    let values: Vec<&str> = rows
+        .lines()
+        .filter_map(|row| row.split_once(",valve.out.real[1],").map(|row| row.1))
+        .collect();
+    assert!(values.contains(&"0.5"), "{values:?}");
+    assert_eq!(values.last(), Some(&"0.125"), "{rows}");
+}

@@ -3,6 +3,7 @@
 //!
 //! `RPI_TAKEOVERS` sets the number of chains for each arm, `RPI_SEED` the first seed (defaults: a smoke for CI).
 
+mod tracker;
 #[path = "../takeovers/watch.rs"]
 mod watch;
 #[path = "../support/xorshift.rs"]

@@ -53,6 +53,7 @@ pub(super) fn encode_request(ticket: Ticket, request: &RequestRecord, names: &Na
             "override": encode_words(&[controls.speed_override.to_bits()]),
             "paused": controls.paused,
         }),
+        RequestRecord::MakeSafe(resources) => json!({ "ask": "make-safe", "resources": resources }),
         RequestRecord::EmergencyStop => json!({ "ask": "emergency-stop" }),
     };
     object["ticket"] = json!(ticket.0);
@@ -111,6 +112,11 @@ impl RequestDecoder<'_> {
                     speed_override: f64::from_bits(*share.first()?),
                     paused: object["paused"].as_bool()?,
                 })
+            }
+            "make-safe" => {
+                let resources = object["resources"].as_array()?.iter();
+                let number = |resource: &Value| u32::try_from(resource.as_u64()?).ok();
+                Request::MakeSafe(resources.map(number).collect::<Option<_>>()?)
             }
             "emergency-stop" => Request::EmergencyStop,
             _ => return None,

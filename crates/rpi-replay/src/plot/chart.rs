@@ -5,7 +5,7 @@ use super::frame::{Frame, TICK_LABEL};
 use super::palette::{AXIS, dashes, hue};
 use super::simplify::simplify;
 use super::svg::{Anchor, Svg, TextStyle};
-use super::{Chart, ExecutionSpan};
+use super::{Chart, ExecutionSpan, Line};
 
 /// Rectangle on the page in which the lines of a chart are drawn, in pixels.
 #[derive(Clone, Copy)]
@@ -26,10 +26,15 @@ pub(super) fn draw(
     seconds: (f64, f64),
     spells: &[ExecutionSpan],
 ) {
-    let values = chart
+    let lines: Vec<Vec<(f64, f64)>> = chart
         .lines
         .iter()
-        .flat_map(|l| l.points.iter().map(|p| p.1));
+        .enumerate()
+        .map(|(k, line)| placed(chart, k, line))
+        .collect();
+    let rows = level_rows(chart);
+    let levels = rows.iter().map(|row| row.0);
+    let values = lines.iter().flatten().map(|p| p.1).chain(levels);
     let frame = Frame {
         x: Axis {
             values: seconds,
@@ -40,27 +45,40 @@ pub(super) fn draw(
             pixels: (place.y.1, place.y.0),
         },
     };
-    frame.draw(svg, &chart.title, "s");
+    match rows.is_empty() {
+        true => frame.draw(svg, &chart.title, "s"),
+        false => frame.draw_with_rows(svg, &chart.title, "s", &rows),
+    }
     for span in spells.iter().skip(1) {
         let x = frame.x.to_pixel(span.from);
         svg.dashed((x, frame.top()), (x, frame.bottom()), AXIS);
     }
-    for (k, line) in chart.lines.iter().enumerate() {
-        let pixels: Vec<(f64, f64)> = line
-            .points
-            .iter()
-            .map(|p| frame.to_pixel(p.0, p.1))
-            .collect();
+    for (k, (line, points)) in chart.lines.iter().zip(&lines).enumerate() {
+        let pixels: Vec<(f64, f64)> = points.iter().map(|p| frame.to_pixel(p.0, p.1)).collect();
         svg.polyline(&simplify(&pixels, 0.15), hue(k), dashes(k), &line.name);
     }
-    draw_names(svg, chart, &frame);
+    draw_names(svg, chart, &lines, &frame);
+}
+
+/// Returns the points of the line with the index `k` on the vertical axis: in rows of its own if the values are named levels.
+fn placed(chart: &Chart, k: usize, line: &Line) -> Vec<(f64, f64)> {
+    let below = (k * chart.levels.len()) as f64;
+    line.points.iter().map(|p| (p.0, below + p.1)).collect()
+}
+
+/// Returns the rows of a chart of named levels, from below: their places on the vertical axis and their names. Empty for numbers.
+fn level_rows(chart: &Chart) -> Vec<(f64, String)> {
+    let names = chart.lines.iter().flat_map(|_| &chart.levels);
+    let rows = names.enumerate();
+    rows.map(|(place, name)| (place as f64, name.clone()))
+        .collect()
 }
 
 /// Draws the names of a chart's lines at its right edge, as near to the ends of the lines as possible.
-fn draw_names(svg: &mut Svg, chart: &Chart, frame: &Frame) {
-    let ends = chart.lines.iter().enumerate();
+fn draw_names(svg: &mut Svg, chart: &Chart, lines: &[Vec<(f64, f64)>], frame: &Frame) {
+    let ends = lines.iter().enumerate();
     let mut ends: Vec<(f64, usize)> = ends
-        .filter_map(|(k, line)| Some((frame.y.to_pixel(line.points.last()?.1), k)))
+        .filter_map(|(k, points)| Some((frame.y.to_pixel(points.last()?.1), k)))
         .filter(|(y, _)| y.is_finite())
         .collect();
     // Lines that end at the same pixel keep their order.
@@ -105,6 +123,38 @@ fn spread_labels(mut heights: Vec<f64>, top: f64, bottom: f64) -> Vec<f64> {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    /// Two outputs: each has rows named `false` and `true`, and no line hides the other.
+    #[test]
+    fn truth_values_are_named_levels() {
+        let line = |name: &str, values: [f64; 2]| Line {
+            name: name.into(),
+            points: vec![(0.0, values[0]), (1.0, values[1])],
+        };
+        let chart = Chart {
+            title: "outputs".into(),
+            lines: vec![line("output 0", [0.0, 1.0]), line("output 1", [1.0, 1.0])],
+            levels: ["false", "true"].map(str::to_owned).to_vec(),
+        };
+        let rows = level_rows(&chart);
+        let names = ["false", "true", "false", "true"];
+        let expected: Vec<(f64, String)> = (0..4)
+            .map(|k| (f64::from(k), names[k as usize].to_owned()))
+            .collect();
+        assert_eq!(rows, expected);
+        assert_eq!(placed(&chart, 1, &chart.lines[1]), [(0.0, 3.0), (1.0, 3.0)]);
+        let mut svg = Svg::new(400.0, 200.0, "outputs", "white");
+        let place = PlotArea {
+            x: (60.0, 300.0),
+            y: (20.0, 180.0),
+        };
+        draw(&mut svg, &chart, place, (0.0, 1.0), &[]);
+        let text = svg.finish();
+        assert_eq!(text.matches(">false<").count(), 2, "{text}");
+        assert_eq!(text.matches(">true<").count(), 2, "{text}");
+        // No row has a number: only the times and the names of the lines have digits.
+        assert!(!text.contains("text-anchor=\"end\">0"), "{text}");
+    }
 
     #[test]
     fn names_that_would_overlap_move_apart_and_stay_inside() {

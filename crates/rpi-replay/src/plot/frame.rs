@@ -54,8 +54,24 @@ impl Frame {
     /// Draws the heading, the grid and the tick labels of the plot area. `x_title` is the label at the end of the
     /// horizontal axis.
     pub(super) fn draw(&self, svg: &mut Svg, heading: &str, x_title: &str) {
+        let ticks = self.y.ticks(SPACING.1).into_iter();
+        let rows: Vec<(f64, String)> = ticks
+            .map(|tick| (tick, self.y.label(tick, SPACING.1)))
+            .collect();
+        self.draw_with_rows(svg, heading, x_title, &rows);
+    }
+
+    /// As [`draw`](Self::draw), with rows at these values of the vertical axis instead of its tick marks, in ascending order.
+    /// The label of a row is left out if there is no room for it.
+    pub(super) fn draw_with_rows(
+        &self,
+        svg: &mut Svg,
+        heading: &str,
+        x_title: &str,
+        rows: &[(f64, String)],
+    ) {
         svg.text((self.left(), self.top() - 10.0), HEADING, heading);
-        self.draw_rows(svg);
+        self.draw_rows(svg, rows);
         self.draw_columns(svg, x_title);
         svg.line(
             (self.left(), self.bottom()),
@@ -65,16 +81,19 @@ impl Frame {
         );
     }
 
-    fn draw_rows(&self, svg: &mut Svg) {
+    fn draw_rows(&self, svg: &mut Svg, rows: &[(f64, String)]) {
         let style = TextStyle {
             anchor: Anchor::End,
             ..TICK_LABEL
         };
-        for tick in self.y.ticks(SPACING.1) {
-            let y = self.y.to_pixel(tick);
+        let mut lowest = f64::INFINITY;
+        for (value, label) in rows {
+            let y = self.y.to_pixel(*value);
             svg.line((self.left(), y), (self.right(), y), GRID, 1.0);
-            let label = self.y.label(tick, SPACING.1);
-            svg.text((self.left() - 8.0, y + 4.0), style, &label);
+            if lowest - y >= TICK_LABEL.size {
+                svg.text((self.left() - 8.0, y + 4.0), style, label);
+                lowest = y;
+            }
         }
     }
 

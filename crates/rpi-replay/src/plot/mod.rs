@@ -5,6 +5,7 @@
 mod axis;
 mod chart;
 mod frame;
+mod labels;
 mod page;
 mod palette;
 mod path_view;
@@ -43,6 +44,9 @@ pub struct Chart {
     pub title: String,
     /// Lines of the chart, one per value.
     pub lines: Vec<Line>,
+    /// Names of the levels 0, 1 and so on of values that have no numbers, such as `false` and `true`; empty for numbers. Each line
+    /// then has rows of its own, one per level, so that no line hides another.
+    pub levels: Vec<String>,
 }
 
 /// Line of a chart: one value over time, with its name.

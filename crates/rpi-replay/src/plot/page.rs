@@ -129,6 +129,7 @@ mod tests {
             charts: vec![Chart {
                 title: "joints, deg".into(),
                 lines: vec![line("joint 1", 1.0), line("joint 2", -2.0)],
+                levels: Vec::new(),
             }],
             spans: vec![span("First", 0.0, 1.2), span("Second", 1.2, 2.0)],
         }

@@ -2,10 +2,11 @@
 
 use super::axis::{Axis, padded, value_range};
 use super::chart::PlotArea;
-use super::frame::{Frame, TICK_LABEL};
+use super::frame::Frame;
+use super::labels::Labels;
 use super::palette::{BACKGROUND, SECONDARY_TEXT, TEXT, hue};
 use super::simplify::simplify;
-use super::svg::{Anchor, Svg, TextStyle};
+use super::svg::Svg;
 use super::timeline::span_hues;
 use super::{ExecutionSpan, SpacePath};
 
@@ -52,13 +53,18 @@ pub(super) fn draw(
     let frame = equal_scale_frame(&points, place);
     frame.draw(svg, &format!("{}, {}", path.name, view.name()), "");
     let hues = span_hues(spells);
-    for (k, part) in split_by_command(&points, spells).into_iter().enumerate() {
+    let parts = split_by_command(&points, spells).into_iter();
+    let lines = parts.map(|part| {
         let pixels: Vec<(f64, f64)> = part.iter().map(|(_, p)| frame.to_pixel(p.0, p.1)).collect();
+        simplify(&pixels, 0.1)
+    });
+    let lines: Vec<Vec<(f64, f64)>> = lines.collect();
+    for (k, line) in lines.iter().enumerate() {
         let name = spells.get(k).map_or("", |s| s.command.as_str());
         let color = hues.get(k).copied().unwrap_or(hue(0));
-        svg.polyline(&simplify(&pixels, 0.1), color, None, name);
+        svg.polyline(line, color, None, name);
     }
-    draw_markers(svg, &points, spells, &frame);
+    draw_markers(svg, &points, spells, (&frame, &lines));
 }
 
 /// Returns a plot area for these points (time, and position in the plane in metres), with the same scale on both axes.
@@ -106,60 +112,51 @@ fn draw_markers(
     svg: &mut Svg,
     points: &[(f64, (f64, f64))],
     spells: &[ExecutionSpan],
-    frame: &Frame,
+    (frame, lines): (&Frame, &[Vec<(f64, f64)>]),
 ) {
     let (Some(first), Some(last)) = (points.first(), points.last()) else {
         return;
     };
     let pixel = |p: &(f64, (f64, f64))| frame.to_pixel(p.1.0, p.1.1);
-    let mut labelled = Vec::new();
-    for (span, color) in spells.iter().zip(span_hues(spells)).skip(1) {
+    let takeover = |span: &ExecutionSpan| {
         let at = points.partition_point(|p| p.0 < span.from);
-        let at = pixel(&points[at.min(points.len() - 1)]);
-        svg.dot(at, 5.0, color, BACKGROUND);
-        if is_free(&labelled, at) {
-            let text = format!("takeover {:.3} s", span.from);
-            draw_label(svg, frame, at, (-7.0, SECONDARY_TEXT), &text);
+        (pixel(&points[at.min(points.len() - 1)]), span.from)
+    };
+    let takeovers: Vec<((f64, f64), f64)> = spells.iter().skip(1).map(takeover).collect();
+    for ((at, _), color) in takeovers.iter().zip(span_hues(spells).into_iter().skip(1)) {
+        svg.dot(*at, MARK, color, BACKGROUND);
+    }
+    let ends = [(pixel(first), "start"), (pixel(last), "end")];
+    for (at, _) in ends {
+        svg.dot(at, 4.5, TEXT, BACKGROUND);
+    }
+    let marks = takeovers.iter().map(|(at, _)| *at);
+    let marks: Vec<(f64, f64)> = marks.chain(ends.map(|(at, _)| at)).collect();
+    let mut labels = Labels::new(frame, lines, &marks, MARK + 1.0);
+    for (at, name) in ends {
+        labels.draw(svg, at, TEXT, name);
+    }
+    let mut labelled = Vec::new();
+    for (at, time) in takeovers {
+        // Cyclic programs have takeovers at the same points in every iteration.
+        if is_new(&labelled, at) {
+            labels.draw(svg, at, SECONDARY_TEXT, &format!("takeover {time:.3} s"));
             labelled.push(at);
         }
     }
-    for (point, name) in [(first, "start"), (last, "end")] {
-        svg.dot(pixel(point), 4.5, TEXT, BACKGROUND);
-        draw_label(svg, frame, pixel(point), (14.0, TEXT), name);
-    }
 }
 
-/// Returns true if a label at the point `at` overlaps no earlier label, in pixels. Cyclic programs have takeovers at
-/// the same points in every iteration.
-fn is_free(labelled: &[(f64, f64)], at: (f64, f64)) -> bool {
-    /// Approximate width and height of a label in pixels.
-    const TEXT: (f64, f64) = (110.0, 13.0);
-    let apart =
-        |other: &(f64, f64)| (other.0 - at.0).abs() >= TEXT.0 || (other.1 - at.1).abs() >= TEXT.1;
+/// Returns true if no takeover has a label that is so near to `at`, in pixels, that both would look like one.
+fn is_new(labelled: &[(f64, f64)], at: (f64, f64)) -> bool {
+    let apart = |other: &(f64, f64)| {
+        let (dx, dy) = (other.0 - at.0, other.1 - at.1);
+        dx * dx + dy * dy >= MARK * MARK
+    };
     labelled.iter().all(apart)
 }
 
-/// Draws a label beside the point `at`, on the side with more room. `below` is its vertical offset in pixels.
-fn draw_label(
-    svg: &mut Svg,
-    frame: &Frame,
-    at: (f64, f64),
-    (below, color): (f64, &'static str),
-    text: &str,
-) {
-    let right = at.0 > (frame.left() + frame.right()) / 2.0;
-    let (shift, anchor) = if right {
-        (-9.0, Anchor::End)
-    } else {
-        (9.0, Anchor::Start)
-    };
-    let style = TextStyle {
-        color,
-        anchor,
-        ..TICK_LABEL
-    };
-    svg.text((at.0 + shift, at.1 + below), style, text);
-}
+/// Radius of the mark of a takeover, in pixels.
+const MARK: f64 = 5.0;
 
 #[cfg(test)]
 mod tests {
@@ -179,15 +176,6 @@ mod tests {
         let parts = split_by_command(&points, &[span(0.0, 3.0), span(3.0, 6.0)]);
         assert_eq!(parts[0], points[0..3]);
         assert_eq!(parts[1], points[2..6]);
-    }
-
-    #[test]
-    fn texts_do_not_cover_each_other() {
-        let labelled = [(100.0, 100.0)];
-        assert!(!is_free(&labelled, (100.0, 100.0)));
-        assert!(!is_free(&labelled, (150.0, 95.0)));
-        assert!(is_free(&labelled, (100.0, 130.0)));
-        assert!(is_free(&labelled, (300.0, 100.0)));
     }
 
     #[test]

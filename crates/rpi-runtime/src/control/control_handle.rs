@@ -377,7 +377,7 @@ impl<T> Control<T> {
         }
     }
 
-    fn send_request(&mut self, request: Request<T>) -> Result<Ticket, RequestError> {
+    pub(super) fn send_request(&mut self, request: Request<T>) -> Result<Ticket, RequestError> {
         self.ensure_queue_space()?;
         self.tickets += 1;
         let ticket = Ticket(self.tickets);
@@ -416,6 +416,7 @@ impl<T> Control<T> {
                 }
                 Released::Subscription(old) => self.samples_lost += old.lost,
                 Released::Settings(settings) => drop(settings),
+                Released::Resources(resources) => drop(resources),
                 Released::Snapshot(snapshot) => drop(snapshot),
                 Released::Device(part) => drop(part),
             }

@@ -242,6 +242,11 @@ impl<P: Plant> Executive<P> {
                 core.set_controls(controls);
                 Ok(())
             }
+            Request::MakeSafe(resources) => {
+                core.make_safe(&resources, plant);
+                self.queues.release(Released::Resources(resources));
+                Ok(())
+            }
             Request::EmergencyStop => {
                 core.emergency_stop(plant);
                 Ok(())

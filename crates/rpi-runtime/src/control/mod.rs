@@ -64,6 +64,7 @@ mod plant;
 mod queue;
 mod raw;
 mod request_log;
+mod safe_values;
 mod subscription;
 
 pub use admission::{Budget, BudgetExceededError};

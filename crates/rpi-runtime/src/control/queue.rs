@@ -93,6 +93,8 @@ pub enum Request<T> {
     Device(usize, Option<T>),
     /// Sets the speed override (a factor from 0 to 1) and the pause of all motions.
     SetControls(MotionControls),
+    /// Sets these resources (actuators) to their safe values, except those that a command holds.
+    MakeSafe(Box<[u32]>),
     /// Aborts all commands, drops all rules and stops all devices.
     EmergencyStop,
 }
@@ -100,6 +102,8 @@ pub enum Request<T> {
 /// Minimum effort that is counted for a request, in units of about ten nanoseconds. The effort of requests per tick is
 /// limited.
 const MIN_EFFORT: usize = 256;
+/// Additional effort that is counted for a request for each resource that it makes safe, in units of about ten nanoseconds.
+const EFFORT_PER_RESOURCE: usize = 64;
 /// Additional effort that is counted for a request for each memory word of each rule, in units of about ten
 /// nanoseconds.
 const EFFORT_PER_RULE_WORD: usize = 8;
@@ -111,6 +115,7 @@ impl<T> Request<T> {
         MIN_EFFORT
             + match self {
                 Request::Set(settings) => settings.iter().map(|s| s.value.len() + 1).sum(),
+                Request::MakeSafe(resources) => EFFORT_PER_RESOURCE * resources.len(),
                 _ => EFFORT_PER_RULE_WORD * rules,
             }
     }
@@ -121,6 +126,7 @@ pub(super) enum Released<T> {
     Command(CommandId, Box<Command>),
     Rule(Box<Rule>),
     Settings(Box<[InputValue]>),
+    Resources(Box<[u32]>),
     Subscription(Box<Subscription>),
     Snapshot(Arc<ExportSnapshot>),
     Device(T),

@@ -38,6 +38,8 @@ pub enum RequestRecord {
     Device(usize),
     /// Sets the speed override (a factor from 0 to 1) and the pause of all motions.
     SetControls(MotionControls),
+    /// Sets these resources (actuators) to their safe values, except those that a command holds.
+    MakeSafe(Vec<u32>),
     /// Aborts all commands, drops all rules and stops all devices.
     EmergencyStop,
 }
@@ -62,6 +64,7 @@ impl RequestRecord {
             }
             Request::Device(place, _) => RequestRecord::Device(*place),
             Request::SetControls(controls) => RequestRecord::SetControls(*controls),
+            Request::MakeSafe(resources) => RequestRecord::MakeSafe(resources.to_vec()),
             Request::EmergencyStop => RequestRecord::EmergencyStop,
         }
     }

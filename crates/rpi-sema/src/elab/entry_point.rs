@@ -284,9 +284,9 @@ fn elab_parameters<'u>(
             _ => {
                 let mut leaves = Vec::new();
                 for scalar in crate::elab::expr::leaf_scalars(&declared.ty) {
-                    // A Boolean decides what can happen at all, so it must not be fixed: it becomes an external
-                    // input.
-                    if scalar == Scalar::Bool {
+                    // Truth values and numbers decide what can happen at all, so they must not be fixed: they become
+                    // external inputs.
+                    if matches!(scalar, Scalar::Bool | Scalar::Int | Scalar::Real) {
                         leaves.push(external_ports::external_input(
                             elab,
                             &declared.name,

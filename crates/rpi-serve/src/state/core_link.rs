@@ -1,5 +1,7 @@
 //! Connection to the control core: requests go to the cycle, events come from it.
 
+use std::collections::BTreeSet;
+
 use rpi_runtime::control::{CommandId, Control, Event, RequestError, RuleId, Ticket};
 
 use super::commands::Commands;
@@ -20,6 +22,8 @@ pub(crate) struct CoreLink {
     capacity: usize,
     pending: PendingRequests,
     deferred: DeferredOps,
+    /// Resources (actuators) that must take their safe values.
+    released_outputs: BTreeSet<u32>,
 }
 
 impl CoreLink {
@@ -31,6 +35,21 @@ impl CoreLink {
             control,
             pending: PendingRequests::default(),
             deferred: DeferredOps::default(),
+            released_outputs: BTreeSet::new(),
+        }
+    }
+
+    /// Requests that these resources (actuators) take their safe values, unless a command holds them.
+    pub(super) fn make_safe(&mut self, resources: BTreeSet<u32>) {
+        self.released_outputs.extend(resources);
+        if self.released_outputs.is_empty() {
+            return;
+        }
+        let resources: Vec<u32> = self.released_outputs.iter().copied().collect();
+        let ticket = self.control.make_safe(resources);
+        // Without room in the queue, the next update tries again.
+        if self.track_request(ticket, OnAnswer::Nothing, None) {
+            self.released_outputs.clear();
         }
     }
 
@@ -117,6 +136,7 @@ impl CoreLink {
     pub(super) fn send_deferred(&mut self) {
         self.deferred
             .send_deferred(&mut self.control, &mut self.pending);
+        self.make_safe(BTreeSet::new());
     }
 
     /// Returns an error if only the reserved entries of the request queue are free. The reserved entries are for

@@ -57,9 +57,9 @@ impl ServerState {
             self.task_core(number)
                 .with_task(|task, core| task.advance(core));
             let objects = &mut self.objects;
-            objects
-                .tasks
-                .update_progress(number, &objects.commands, &mut self.log);
+            let tasks = &mut objects.tasks;
+            let released = tasks.update_progress(number, &objects.commands, &mut self.log);
+            self.core.make_safe(released);
             objects.remove_task_if_abandoned(number);
         }
     }

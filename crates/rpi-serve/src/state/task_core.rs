@@ -78,11 +78,15 @@ impl TaskCore for TaskCoreAdapter<'_> {
         let command = self.load_command(index, &image)?;
         // The image belongs to the task and is counted there.
         let bytes = command.instance().memory();
+        let resources: Vec<u32> = command.instance().resources().collect();
         let objects = &mut *self.objects;
         let room = objects.ensure_total_memory(self.number, bytes, self.core);
         room.map_err(|_| RequestError::OutOfMemoryQuota)?;
         let adopted: AdoptedCommand = self.core.control.adopt_with_snapshot(command)?;
         let id = adopted.id;
+        if let Some(record) = objects.tasks.get_mut(self.number) {
+            record.resources.extend(resources);
+        }
         let task = objects.tasks.get(self.number);
         let session = task.map_or(0, |task| task.session);
         let record = CommandRecord {

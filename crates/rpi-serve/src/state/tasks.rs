@@ -1,11 +1,11 @@
 //! Tasks of programs: loaded as a whole and executed outside the cycle thread, with lookahead.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 use std::sync::Arc;
 
 use rpi_core::CommandOverrunPolicy;
 use rpi_runtime::control::{CommandId, Event};
-use rpi_runtime::run::{ExecutablePlan, Task};
+use rpi_runtime::run::{ExecutablePlan, Task, TaskEnd};
 
 use super::commands::Commands;
 use super::event_log::EventLog;
@@ -37,6 +37,8 @@ pub(super) struct TaskRecord {
     unload_at_end: bool,
     /// Whether the status has changed since the latest report to the subscribers.
     pub(super) changed: bool,
+    /// Resources (actuators) of all commands of the task so far.
+    pub(super) resources: BTreeSet<u32>,
 }
 
 impl TaskRecord {
@@ -62,6 +64,7 @@ impl TaskRecord {
             load_reply: Some(reply),
             unload_at_end: false,
             changed: false,
+            resources: BTreeSet::new(),
         }
     }
 
@@ -261,10 +264,17 @@ impl Tasks {
         tasks.for_each(|task| task.handle_event(event));
     }
 
-    /// Updates the progress of the task with this number after it was advanced, and reports changes to its subscribers.
-    pub(super) fn update_progress(&mut self, number: u64, commands: &Commands, log: &mut EventLog) {
+    /// Updates the progress of the task with this number after it was advanced, and reports changes to its subscribers. Returns
+    /// the resources (actuators) that must take their safe values, because the task has ended before its end in the program.
+    pub(super) fn update_progress(
+        &mut self,
+        number: u64,
+        commands: &Commands,
+        log: &mut EventLog,
+    ) -> BTreeSet<u32> {
+        let mut released = BTreeSet::new();
         let Some(record) = self.records.get_mut(&number) else {
-            return;
+            return released;
         };
         let task = record.task.as_ref();
         let running = task.map(Task::running).unwrap_or_default();
@@ -281,6 +291,10 @@ impl Tasks {
             record.task = None;
             record.status.phase = TaskPhase::Ended(end);
             record.changed = true;
+            let resources = std::mem::take(&mut record.resources);
+            if end != TaskEnd::Done {
+                released = resources;
+            }
             let word = record.status.phase.name();
             log.write(format_args!(
                 "{} has ended: {word}",
@@ -288,6 +302,7 @@ impl Tasks {
             ));
         }
         record.report_progress();
+        released
     }
 
     /// Adds the ended command with this id to the progress of the task that it is part of, if any.

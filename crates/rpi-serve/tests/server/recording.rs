@@ -17,11 +17,16 @@ use crate::nets::{ECHO, hold, swing};
 
 /// Opens a server with the arm of the other tests that records into a file.
 pub(crate) fn recorded(path: &Path) -> Server {
-    recording_to(BufWriter::new(File::create(path).unwrap()))
+    recorded_cell(path, CELL)
 }
 
-fn recording_to(out: impl Output + 'static) -> Server {
-    let cell = Cell::parse("cell.toml", CELL).unwrap_or_else(|errors| panic!("{errors}"));
+/// Opens a server with this cell that records into a file.
+pub(crate) fn recorded_cell(path: &Path, cell: &str) -> Server {
+    recording_to(BufWriter::new(File::create(path).unwrap()), cell)
+}
+
+fn recording_to(out: impl Output + 'static, text: &str) -> Server {
+    let cell = Cell::parse("cell.toml", text).unwrap_or_else(|errors| panic!("{errors}"));
     let wanted = RecordingOptions {
         parts: single_part(out),
         limits: PartLimits::default(),
@@ -29,7 +34,7 @@ fn recording_to(out: impl Output + 'static) -> Server {
         origin: RunSources {
             program: "server".to_owned(),
             program_bytes: Vec::new(),
-            cell: CELL.to_owned(),
+            cell: text.to_owned(),
         },
     };
     Server::open_recorded(&cell, &settings(), (), Some(wanted)).unwrap()
@@ -60,7 +65,7 @@ impl Seek for Disk {
 /// The error of a full disk is reported at once and not only at the end; commands keep running.
 #[test]
 fn a_full_disk_is_told_at_once_and_stops_nothing() {
-    let server = recording_to(Disk(Cursor::default(), 64 << 10));
+    let server = recording_to(Disk(Cursor::default(), 64 << 10), CELL);
     let mut client = Client::dio(server.address());
     let session = client.ask("nse(\"test\")").unwrap();
     let net = client.load(&session, &swing(0, 1e9));

@@ -1,6 +1,5 @@
 //! Device functions of an arm: forward, inverse and velocity kinematics.
 
-use super::port_table::put_joints;
 use super::{Arm, kinematics::PerAxis};
 use crate::device::{SlotWriter, pose_from};
 
@@ -12,6 +11,11 @@ fn reals(cells: &[u64], from: usize, count: usize) -> Option<PerAxis> {
         .zip(part)
         .for_each(|(slot, bits)| *slot = f64::from_bits(*bits));
     Some(all)
+}
+
+/// Writes one value for each axis.
+pub(super) fn put_joints(arm: &Arm, values: PerAxis, out: &mut SlotWriter<'_>) {
+    out.put_reals(values.into_iter().take(arm.axes()));
 }
 
 pub(super) fn kinematics(arm: &Arm, arguments: &[u64], out: &mut SlotWriter<'_>) -> bool {

@@ -11,6 +11,7 @@ mod chunks;
 pub(crate) mod driven;
 pub(crate) mod external;
 mod faults;
+mod follower;
 mod jog;
 mod kinematic_functions;
 mod kinematics;
@@ -36,6 +37,7 @@ use crate::noise::Noise;
 use axis::Axis;
 use brake::Brake;
 use faults::{FaultEffects, FaultState};
+use follower::PoseFollower;
 use kinematics::ArmKinematics;
 use motion::Motion;
 use parameters::Parameters;
@@ -50,6 +52,7 @@ pub struct Arm {
     axes: Vec<Axis>,
     /// Motions that the arm plans itself, along paths or of its axes.
     motion: Box<Motion>,
+    follower: Box<PoseFollower>,
     enforced: EnforcedLimits,
     /// Duration of a tick, in s.
     tick: f64,
@@ -97,6 +100,10 @@ impl Arm {
                 spec.tool_limits,
                 tick,
                 device,
+            )),
+            follower: Box::new(PoseFollower::new(
+                rpi_motion::Arm::new(spec.model, spec.tool, &spec.limits),
+                tick,
             )),
             enforced: spec.enforced,
             tick,

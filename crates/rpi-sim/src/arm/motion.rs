@@ -84,7 +84,7 @@ pub(super) struct Motion {
     /// Period of the set-points of the present motion, s.
     period: f64,
     /// Period of the last set-points that the arm accepted, s.
-    accepted_period: f64,
+    pub(super) accepted_period: f64,
     /// Joint positions (rad) of the last two set-points, the newest first.
     last: [PerAxis; 2],
     /// Distance that the tool travels along the path, m; on a joint line, that of the farthest moving axis, rad.
@@ -438,7 +438,7 @@ fn rests(at: &SetPoint) -> bool {
 }
 
 /// Returns true if two sets of joint positions (rad) are equal, apart from rounding.
-fn same_joints(one: &PerAxis, other: &PerAxis) -> bool {
+pub(super) fn same_joints(one: &PerAxis, other: &PerAxis) -> bool {
     /// Difference of an axis below which joint positions are equal: the rounding of the inverse kinematics, rad.
     const ROUNDING: f64 = 1e-9;
     let mut axes = one.iter().zip(other);

@@ -1,5 +1,6 @@
 //! Access to the arm's ports: reading sensors, checking and staging set-points, calling functions.
 
+use super::follower::call_follow_pose;
 use super::limit_usage::AxisUsage;
 use super::limits::{AxisState, Violation};
 use super::motion::{call_path_event, report_missed_events};
@@ -267,6 +268,9 @@ impl Device for Arm {
             }
             Some(PortAction::PathEvent) => {
                 call_path_event(self, arguments, &mut SlotWriter::new(result))
+            }
+            Some(PortAction::FollowPose) => {
+                call_follow_pose(self, arguments, &mut SlotWriter::new(result))
             }
             Some(PortAction::Call(function)) => {
                 function(self, arguments, &mut SlotWriter::new(result))

@@ -3,15 +3,16 @@
 //! The first part has the names used by the primitives of the reference system, the second part those of the device
 //! type `Arm` of `.rpi`.
 
+use super::Arm;
 use super::axes_motion::AxesMotionKind;
 use super::chunks::{CHUNK_SLOTS, RowKind};
+use super::follower::FOLLOW_SLOTS;
 use super::kinematic_functions::{
-    inverse_kinematics, inverse_kinematics_nullspace, kinematics, velocity_kinematics,
+    inverse_kinematics, inverse_kinematics_nullspace, kinematics, put_joints, velocity_kinematics,
 };
 use super::motion::{EVENT_SLOTS, RESULT_SLOTS};
 use super::motion::{MotionKind, PathKind};
 use super::tool_path::ToolPathKind;
-use super::{Arm, kinematics::PerAxis};
 use crate::device::{PortSpec, PortValue, SlotWriter};
 use rpi_device::PortKind;
 use rpi_image::Scalar::{Bool, Int, Pose, Real, Twist};
@@ -38,6 +39,8 @@ pub(super) enum PortAction {
     Plan(MotionKind),
     /// The port is the function that tells when a motion passes a place on its path.
     PathEvent,
+    /// The port is the function that follows poses of the tool, called in each cycle.
+    FollowPose,
 }
 
 /// Part of an arm that a set-point moves.
@@ -290,6 +293,11 @@ pub(super) const PORTS: &[PortRow] = &[
         PortValue::Reals(EVENT_SLOTS),
         PortAction::PathEvent,
     ),
+    called(
+        "follow_pose",
+        PortValue::PerAxisAnd(FOLLOW_SLOTS),
+        PortAction::FollowPose,
+    ),
     // Ports of the device type `Arm` of `.rpi`.
     actuator("tcp", POSE, false, PortAction::Move(Target::Tool)),
     actuator("joints", JOINTS, false, PortAction::Move(Target::Joints)),
@@ -408,10 +416,6 @@ pub(super) const PORTS: &[PortRow] = &[
         out.put_real(arm.motion.tool_limits().jerk)
     }),
 ];
-
-pub(super) fn put_joints(arm: &Arm, values: PerAxis, out: &mut SlotWriter<'_>) {
-    out.put_reals(values.into_iter().take(arm.axes()));
-}
 
 fn commanded_twist(arm: &Arm, _: usize, out: &mut SlotWriter<'_>) {
     let twist = arm.kinematics.twist(

@@ -24,6 +24,7 @@ pub(in crate::catalogue) const ALL: &[Prim] = &[
     MOVE_TOOL_IN_TOOL,
     FOLLOW_CHUNKS,
     FOLLOW_POSE_CHUNKS,
+    FOLLOW_POSE,
 ];
 
 /// Declares a motion primitive: a call of a function of the arm in each cycle. Its declared work of 20000 elementary
@@ -302,4 +303,23 @@ chunks! {
     /// cannot reach is not accepted.
     FOLLOW_POSE_CHUNKS = "Rpi::FollowPoseChunks", "follow_pose_chunks";
     rows { inPoses: Array<Pose> }
+}
+
+interface! {
+    /// Next set-point of the axes for the pose `inTo` of the tool in the base frame of the arm, at the end of this cycle; it is
+    /// read in each cycle. While the axes can keep their limits at the poses, `outPose` is `inTo`. Where they cannot, they follow
+    /// as closely as their limits allow, and take up the poses again once they have caught up. The limits hold in each cycle, for
+    /// any poses. If the arm cannot reach `inTo`, all axes come to rest, and `outError` is the error code; 0 otherwise. The
+    /// primitive is no motion with a number: `inTo` may be computed from the pose of one. `Axes` is the number of axes of the arm.
+    FOLLOW_POSE = "Rpi::FollowPose";
+    in { inTo: Pose }
+    param { Robot: Text = Str(""); Axes: i64 = Int(7) }
+    out {
+        outJoints: Array<f64>;
+        outPose: Pose;
+        outError: i64
+    }
+    shape ShapeRule::FromParam("Axes");
+    presence strict work 20000;
+    role function("Robot", &["follow_pose"])
 }
