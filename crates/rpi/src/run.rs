@@ -167,6 +167,7 @@ fn execute(
     let outputs = RunOutputs {
         recording: recording.transpose()?,
         live: foxglove.as_ref().map(FoxglovePort::viewers),
+        ..RunOutputs::default()
     };
     let tick_ns = bundle.images.first().map_or(1, |image| image.period_ns);
     let mut progress = ProgressLine::default();
