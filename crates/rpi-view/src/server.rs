@@ -196,7 +196,8 @@ impl Response {
             Ok(Resource::Page) => Response::ok("text/html; charset=utf-8", Body::Page),
             Ok(Resource::Document) => Response::ok(DOCUMENT, Body::Shared(source.document())),
             Ok(Resource::Since(tick)) => source.since(tick).map_or_else(
-                || Response::error("410 Gone", "the run has ended"),
+                // Nothing more comes.
+                || Response::ok(DOCUMENT, Body::Own(Vec::new())),
                 |document| Response::ok(DOCUMENT, Body::Own(document)),
             ),
             Ok(Resource::Cycle(tick)) => Response::part(JSON, source.cycle(tick)),

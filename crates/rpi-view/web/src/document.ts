@@ -384,7 +384,7 @@ export async function load(): Promise<Recording> {
 /** Loads the values of a run from a tick on; `undefined` if the run has ended. */
 export async function loadSince(tick: number): Promise<Recording | undefined> {
   const response = await fetch(`since/${tick}`);
-  if (response.status === 410) return undefined;
   if (!response.ok) throw new Error(`the server answers ${response.status}`);
-  return parse(await response.arrayBuffer(), true);
+  const bytes = await response.arrayBuffer();
+  return bytes.byteLength === 0 ? undefined : parse(bytes, true);
 }

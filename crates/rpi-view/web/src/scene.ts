@@ -297,7 +297,8 @@ export class CellView {
     this.drawPending = true;
     requestAnimationFrame(() => {
       this.drawPending = false;
-      this.renderer.render(this.scene, this.camera);
+      // The cell is not shown while the net is. It is drawn when it gets a size again.
+      if (this.host.clientWidth > 0) this.renderer.render(this.scene, this.camera);
     });
   }
 }

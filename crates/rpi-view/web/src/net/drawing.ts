@@ -72,10 +72,11 @@ export class NetDrawing {
       if (left > view.right || top > view.bottom || left + layout.w[k]! < view.left || top + layout.h[k]! < view.top) continue;
       const box = boxes[k]!;
       this.drawn++;
-      const active = box.fragment === null ? shown.active : (this.values.isActive(net, box.fragment) ?? shown.active);
+      const own = box.fragment === null ? undefined : this.values.isActive(net, box.fragment);
+      const active = own ?? shown.active;
       const place = { left, top, width: layout.w[k]!, height: layout.h[k]! };
       const inner = layout.inner[k];
-      this.box(box, place, { ...shown, active, isOpen: inner !== undefined });
+      this.box(box, place, { ...shown, active, isLit: own === true, isOpen: inner !== undefined });
       if (inner) this.scene(inner, box.inner, [left + PAD, top + HEAD], { ...shown, active });
     }
   }
@@ -123,11 +124,10 @@ export class NetDrawing {
   private box(
     box: NetBox,
     { left, top, width, height }: { left: number; top: number; width: number; height: number },
-    { camera, selected, active, isOpen }: { camera: Camera; selected: NetBox | undefined; active: boolean; isOpen: boolean },
+    { camera, selected, active, isLit, isOpen }: { camera: Camera; selected: NetBox | undefined; active: boolean; isLit: boolean; isOpen: boolean },
   ): void {
     const { context, colours } = this;
     const isPort = box.kind === "in" || box.kind === "out";
-    const isLit = active && box.fragment !== null;
     context.globalAlpha = active ? 1 : 0.55;
     if (camera.scale < BORDER_SCALE && !isOpen && box !== selected) {
       context.fillStyle = isLit ? colours["lit-line"] : colours["grid-strong"];

@@ -106,6 +106,8 @@ export class NetValues {
 
   /** Returns whether the fragment around a box is active; `undefined` if the activity is not known. */
   isActive(net: NetGraph, path: string): boolean | undefined {
+    // The activity of fragments comes from a replay, after the run.
+    if (path !== "" && this.recording.isLive) return undefined;
     const key = `${net.command}:${path}`;
     if (!this.spans.has(key) || this.recording.isLive) {
       const own = this.recording.head.activity.filter((a) => a.command === net.command);
