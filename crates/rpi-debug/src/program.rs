@@ -1,5 +1,6 @@
 //! The program of a recording, compiled again.
 
+use std::collections::BTreeSet;
 use std::fmt;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -166,7 +167,14 @@ impl RecordedProgram {
         lower: Lowering,
     ) -> Result<CompiledForReplay, RecordedProgramError> {
         let plain = self.compile_text(None, &[])?;
-        let changed = self.compile_text(text, names)?;
+        let watched = watched_flows(&plain, recording);
+        let plain = match watched.is_empty() {
+            true => plain,
+            // Another program may have exports of other names; the images then differ.
+            false => self.compile_text(None, &watched).unwrap_or(plain),
+        };
+        let names: Vec<String> = names.iter().cloned().chain(watched).collect();
+        let changed = self.compile_text(text, &names)?;
         let tick = recording.tick_ns;
         let mut images = Vec::new();
         for period in recording.periods() {
@@ -239,4 +247,21 @@ impl RecordedProgram {
             None => Ok(compiled),
         }
     }
+}
+
+/// Returns the flows that were watched when a program was recorded: those that the recorded commands export in addition to the program,
+/// each with its command.
+fn watched_flows(plain: &Compiled, recording: &Recording) -> Vec<String> {
+    let nets = plain.nets();
+    let is_added = |command: &str, flow: &str| {
+        let net = nets.iter().find(|net| net.name == command);
+        net.is_some_and(|net| net.exports.iter().all(|export| export.key != flow))
+    };
+    let added = recording.exported_flows();
+    let added = added.filter(|(command, flow)| is_added(command, flow));
+    let names = added.map(|(command, flow)| {
+        let whole = flow.split('[').next().unwrap_or(flow);
+        format!("{command}.{whole}")
+    });
+    names.collect::<BTreeSet<String>>().into_iter().collect()
 }

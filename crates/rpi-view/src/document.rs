@@ -9,11 +9,13 @@
 use std::collections::BTreeMap;
 use std::ops::Range;
 
+use rpi_graph::NetGraph;
 use rpi_image::hash::Fnv1a;
 use rpi_record::mcap::{ArmGeometry, Column, ColumnKind, FragmentActivity, RunData, TopicColumns};
 use serde_json::{Value, json};
 
 use crate::block::{Block, encode};
+use crate::net_head::net_head;
 
 /// First bytes of a document.
 const MAGIC: &[u8; 8] = b"RPIVIEW1";
@@ -28,9 +30,21 @@ pub enum Precision {
     Rounded,
 }
 
+/// What a page shows: a recorded run with the nets of its commands.
+#[derive(Clone, Copy, Debug)]
+pub struct ViewContent<'a> {
+    /// The run.
+    pub run: &'a RunData,
+    /// Graphs of the nets, or the reason why there are none.
+    pub nets: Result<&'a [NetGraph], &'a str>,
+    /// Whether the run goes on.
+    pub is_live: bool,
+}
+
 /// Returns the document of a recorded run.
 #[must_use]
-pub fn document(run: &RunData, precision: Precision) -> Vec<u8> {
+pub fn document(content: ViewContent<'_>, precision: Precision) -> Vec<u8> {
+    let run = content.run;
     let mut blocks = Blocks::default();
     let topics: Vec<Value> = run
         .topics
@@ -56,6 +70,9 @@ pub fn document(run: &RunData, precision: Precision) -> Vec<u8> {
         "events": events,
         "lost": run.lost,
         "cut": run.cut,
+        "nets": content.nets.unwrap_or_default().iter().map(net_head).collect::<Vec<_>>(),
+        "netsNote": content.nets.err(),
+        "live": content.is_live,
     });
     let head = head.to_string();
     let mut out = MAGIC.to_vec();

@@ -10,13 +10,14 @@
 
 mod block;
 mod document;
+mod net_head;
 mod report;
 mod request;
 mod server;
 
-pub use document::{Precision, document};
+pub use document::{Precision, ViewContent, document};
 pub use report::report;
-pub use server::ViewServer;
+pub use server::{SharedSource, ViewServer, ViewSource};
 
 /// The page: one HTML file with script and style. It has a mark in place of the document.
 const PAGE: &str = include_str!("../web/dist/page.html");

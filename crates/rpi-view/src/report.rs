@@ -6,10 +6,9 @@ use base64::Engine;
 use base64::engine::general_purpose::STANDARD;
 use flate2::Compression;
 use flate2::write::GzEncoder;
-use rpi_record::mcap::RunData;
 
 use crate::PAGE;
-use crate::document::{Precision, document};
+use crate::document::{Precision, ViewContent, document};
 
 /// Mark in the page in place of the document.
 const MARK: &str = "<!--document-->";
@@ -19,9 +18,9 @@ const MARK: &str = "<!--document-->";
 ///
 /// # Errors
 /// Returns an error if the compressor fails, for lack of memory.
-pub fn report(run: &RunData) -> io::Result<String> {
+pub fn report(content: ViewContent<'_>) -> io::Result<String> {
     let mut encoder = GzEncoder::new(Vec::new(), Compression::best());
-    encoder.write_all(&document(run, Precision::Rounded))?;
+    encoder.write_all(&document(content, Precision::Rounded))?;
     let text = STANDARD.encode(encoder.finish()?);
     let (before, after) = PAGE.split_once(MARK).unwrap_or((PAGE, ""));
     Ok(format!(

@@ -8,13 +8,24 @@ const MAX_HEAD: usize = 16 << 10;
 /// Maximum number of headers of a request.
 const MAX_HEADERS: usize = 64;
 
+/// Maximum length of the name of a flow in a path, in bytes.
+const MAX_NAME: usize = 1 << 10;
+
 /// Resource that a browser may get.
-#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+#[derive(Clone, PartialEq, Eq, Debug)]
 pub(crate) enum Resource {
     /// The page.
     Page,
     /// The document of the recording.
     Document,
+    /// Document of the values of a run from this tick on.
+    Since(u64),
+    /// Values of all flows in this tick.
+    Cycle(u64),
+    /// Document of one flow.
+    Flow(String),
+    /// Causes of the value of a flow in a tick.
+    Why(u64, String),
 }
 
 /// Request that is answered with an error: the status of the response.
@@ -84,11 +95,36 @@ pub(crate) fn resource(head: &[u8], own: SocketAddr) -> Result<Resource, Request
     if hosts.next().is_some() || !names.iter().any(|name| name.as_bytes() == host) {
         return Err(RequestError::Forbidden);
     }
-    match request.path {
-        Some("/") => Ok(Resource::Page),
-        Some("/document") => Ok(Resource::Document),
+    let path = request.path.and_then(|path| path.strip_prefix('/'));
+    let parts: Vec<&str> = path.ok_or(RequestError::NotFound)?.split('/').collect();
+    let tick = |text: &str| text.parse().map_err(|_| RequestError::NotFound);
+    match parts[..] {
+        [""] => Ok(Resource::Page),
+        ["document"] => Ok(Resource::Document),
+        ["since", from] => Ok(Resource::Since(tick(from)?)),
+        ["cycle", at] => Ok(Resource::Cycle(tick(at)?)),
+        ["flow", name] => Ok(Resource::Flow(decode(name)?)),
+        ["why", at, name] => Ok(Resource::Why(tick(at)?, decode(name)?)),
         _ => Err(RequestError::NotFound),
     }
+}
+
+/// Decodes a name in a path: `%5B` is a bracket (RFC 3986, section 2.1).
+fn decode(text: &str) -> Result<String, RequestError> {
+    if text.is_empty() || text.len() > MAX_NAME {
+        return Err(RequestError::NotFound);
+    }
+    let mut parts = text.split('%');
+    let mut bytes = parts.next().unwrap_or_default().as_bytes().to_vec();
+    for part in parts {
+        let code = part
+            .get(..2)
+            .filter(|code| code.bytes().all(|b| b.is_ascii_hexdigit()));
+        let byte = code.and_then(|code| u8::from_str_radix(code, 16).ok());
+        bytes.push(byte.ok_or(RequestError::BadRequest)?);
+        bytes.extend(part.get(2..).unwrap_or_default().as_bytes());
+    }
+    String::from_utf8(bytes).map_err(|_| RequestError::BadRequest)
 }
 
 #[cfg(test)]
@@ -97,6 +133,37 @@ mod tests {
 
     fn requested(text: &str) -> Result<Resource, RequestError> {
         resource(text.as_bytes(), ([127, 0, 0, 1], 4000).into())
+    }
+
+    #[test]
+    fn the_parts_of_a_recording_have_paths() {
+        let get = |path: &str| {
+            requested(&format!(
+                "GET {path} HTTP/1.1\r\nHost: localhost:4000\r\n\r\n"
+            ))
+        };
+        assert_eq!(get("/since/17"), Ok(Resource::Since(17)));
+        assert_eq!(get("/cycle/0"), Ok(Resource::Cycle(0)));
+        let name = "Main.a[2].x".to_owned();
+        assert_eq!(
+            get("/flow/Main.a%5B2%5d.x"),
+            Ok(Resource::Flow(name.clone()))
+        );
+        assert_eq!(get("/why/5/Main.a[2].x"), Ok(Resource::Why(5, name)));
+        for path in [
+            "/cycle/-1",
+            "/cycle/99999999999999999999",
+            "/flow/",
+            "/why/5",
+            "/cycle/1/2",
+        ] {
+            assert_eq!(get(path), Err(RequestError::NotFound), "{path}");
+        }
+        for path in ["/flow/%", "/flow/%4", "/flow/%+1", "/flow/a%ff"] {
+            assert_eq!(get(path), Err(RequestError::BadRequest), "{path}");
+        }
+        let long = format!("/flow/{}", "a".repeat(MAX_NAME + 1));
+        assert_eq!(get(&long), Err(RequestError::NotFound));
     }
 
     #[test]

@@ -15,6 +15,7 @@ use crate::export::ExportArgs;
 use crate::foxglove_args::FoxgloveArgs;
 use crate::guard::GuardArgs;
 use crate::latency_args::LatencyArgs;
+use crate::live_view_args::LiveViewArgs;
 use crate::recording_args::RecordingArgs;
 use crate::recording_verbs::RecordingCommand;
 use crate::robot_args::{CellCommand, RobotCommand};
@@ -160,6 +161,8 @@ pub(crate) struct RunArgs {
     pub(crate) recording: RecordingArgs,
     #[command(flatten)]
     pub(crate) foxglove: FoxgloveArgs,
+    #[command(flatten)]
+    pub(crate) view: LiveViewArgs,
     /// Print a digest of all device states, which is equal for runs with the same bits in every cycle.
     #[arg(long)]
     pub(crate) digest: bool,

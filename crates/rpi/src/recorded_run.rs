@@ -9,23 +9,43 @@ use rpi_record::mcap::{Recording, RunData};
 use crate::view_args::RecordedRun;
 use crate::watched_recording;
 
+/// A recording with its values, for the page that shows it.
+pub(crate) struct LoadedRun {
+    /// The recording as it was made.
+    pub(crate) recording: Recording,
+    /// Its values, with the watched flows.
+    pub(crate) run: RunData,
+}
+
 impl RecordedRun {
     /// Loads the values that the options select.
     ///
     /// # Errors
     /// Returns an error if the recording cannot be read or replayed, or has no cycles in the selected time.
     pub(crate) fn load(&self) -> Result<RunData, Box<dyn Error>> {
-        let mut recording = open(&self.recording)?;
+        self.load_with_recording().map(|loaded| loaded.run)
+    }
+
+    /// Loads the values that the options select, with the recording.
+    ///
+    /// # Errors
+    /// As [`RecordedRun::load`].
+    pub(crate) fn load_with_recording(&self) -> Result<LoadedRun, Box<dyn Error>> {
+        let recording = open(&self.recording)?;
+        let mut watched = recording.clone();
         if !self.watch.is_empty() {
-            watched_recording::watch(&mut recording, &self.watch, self.program.as_deref())?;
+            watched_recording::watch(&mut watched, &self.watch, self.program.as_deref())?;
         }
-        run_data(&recording, &self.recording, (self.from, self.to))
+        let run = run_data(&watched, &self.recording, (self.from, self.to))?;
+        Ok(LoadedRun { recording, run })
     }
 }
 
 /// Loads all recorded values of a recording.
-pub(crate) fn load(path: &Path) -> Result<RunData, Box<dyn Error>> {
-    run_data(&open(path)?, path, (None, None))
+pub(crate) fn load(path: &Path) -> Result<LoadedRun, Box<dyn Error>> {
+    let recording = open(path)?;
+    let run = run_data(&recording, path, (None, None))?;
+    Ok(LoadedRun { recording, run })
 }
 
 /// Opens a recording; the message of an error begins with its name.

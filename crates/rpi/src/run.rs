@@ -31,7 +31,7 @@ use crate::guard::{Heartbeat, HeartbeatSource};
 use crate::interrupt::Interrupt;
 use crate::output;
 use crate::program;
-use crate::run_report::RunReport;
+use crate::run_pages::RunPages;
 use crate::target;
 use rpi_serve::{FoxglovePort, TaskBundle};
 
@@ -46,9 +46,8 @@ pub(crate) fn run(args: &RunArgs) -> exit::CommandResult {
         .map(|path| rows_file(path, args))
         .transpose()?;
     let mut picture = plot.map(|path| create(path, args)).transpose()?;
-    let report = RunReport::create(args)?;
-    let mcap = report.as_ref().map(RunReport::recording);
-    let mcap = mcap.or(record.filter(|path| is_mcap(path)));
+    let pages = RunPages::open(args, &compiled, &bundle)?;
+    let mcap = pages.recording().or(record.filter(|path| is_mcap(path)));
     let mut motion = args.plot.as_ref().map(|_| MotionSink::default());
     let mut several = SinkList::default();
     several
@@ -64,7 +63,7 @@ pub(crate) fn run(args: &RunArgs) -> exit::CommandResult {
     let mut claims = claims(&compiled, &bundle);
     several.0.push(&mut claims);
     let interrupt = Interrupt::listen()?;
-    let mut outcome = execute(args, (&bundle, mcap), &interrupt, &mut several)?;
+    let mut outcome = execute(args, (&bundle, mcap, &pages), &interrupt, &mut several)?;
     outcome.digest = digest.map(|digest| digest.to_hex());
     let mut faults = Faults::from_outcome(&outcome);
     let (mut diagnostics, summary) = claims.into_diagnostics(&mut outcome, &mut faults);
@@ -93,8 +92,9 @@ pub(crate) fn run(args: &RunArgs) -> exit::CommandResult {
     })?;
     // The summary is printed before an error of writing the files is returned.
     recorded.and(drawn)?;
-    report.map_or(Ok(()), |report| report.write())?;
-    Ok(exit(&outcome, &interrupt))
+    let status = exit(&outcome, &interrupt);
+    pages.finish(&interrupt)?;
+    Ok(status)
 }
 
 /// Returns the paths of the recording and of the plot, or an error if the options for them contradict one another.
@@ -154,10 +154,10 @@ fn claims(compiled: &Compiled, bundle: &TaskBundle) -> ClaimMonitorSink {
     ClaimMonitorSink::new(nets.map(|net| (net.name.as_str(), net.claims.as_slice())))
 }
 
-/// Runs the commands. `recorded` is the file of the recording of the run.
+/// Runs the commands. `recorded` is the file of the recording of the run, and `pages` show it.
 fn execute(
     args: &RunArgs,
-    (bundle, recorded): (&TaskBundle, Option<&Path>),
+    (bundle, recorded, pages): (&TaskBundle, Option<&Path>, &RunPages),
     interrupt: &Interrupt,
     sink: &mut dyn Sink,
 ) -> Result<Outcome, Box<dyn Error>> {
@@ -167,6 +167,7 @@ fn execute(
     let outputs = RunOutputs {
         recording: recording.transpose()?,
         live: foxglove.as_ref().map(FoxglovePort::viewers),
+        values: pages.values(),
     };
     let tick_ns = bundle.images.first().map_or(1, |image| image.period_ns);
     let mut progress = ProgressLine::default();
@@ -281,14 +282,19 @@ fn mcap_recording(
     args: &RunArgs,
     cell: String,
 ) -> Result<RecordingOptions, Box<dyn Error>> {
+    let origin = run_sources(args, cell)?;
+    let first = create(path, args)?;
+    Ok(args.recording.options((path, first), origin))
+}
+
+/// Returns what a recording contains about the program and the cell, whose text is `cell`.
+pub(crate) fn run_sources(args: &RunArgs, cell: String) -> Result<RunSources, Box<dyn Error>> {
     let name = args.program.file_name().unwrap_or_default();
-    let origin = RunSources {
+    Ok(RunSources {
         program: name.to_string_lossy().into_owned(),
         program_bytes: rpi_files::read_unchanged(&args.program, rpi_files::MAX_PROGRAM)?,
         cell,
-    };
-    let first = create(path, args)?;
-    Ok(args.recording.options((path, first), origin))
+    })
 }
 
 /// Creates an output file of the run. Returns an error if the file is the program or the cell description, because it

@@ -15,6 +15,8 @@ pub(crate) struct RunReport {
     /// Recording of the run: the file of `--record`, or a temporary one.
     recording: PathBuf,
     is_temporary: bool,
+    /// File of the program.
+    program: PathBuf,
 }
 
 impl RunReport {
@@ -29,6 +31,7 @@ impl RunReport {
             file: create(path, args)?,
             recording: own.map_or_else(|| temporary(path), Path::to_path_buf),
             is_temporary: own.is_none(),
+            program: args.program.clone(),
         }))
     }
 
@@ -39,8 +42,8 @@ impl RunReport {
 
     /// Writes the report after the run.
     pub(crate) fn write(&self) -> Result<(), Box<dyn Error>> {
-        let run = recorded_run::load(&self.recording)?;
-        view::write_report(&run, &self.path, &self.file)
+        let loaded = recorded_run::load(&self.recording)?;
+        view::write_report(&loaded, Some(&self.program), (&self.path, &self.file))
     }
 }
 

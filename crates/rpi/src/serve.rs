@@ -49,6 +49,7 @@ pub(crate) fn serve(args: &ServeArgs) -> exit::CommandResult {
     let outputs = RunOutputs {
         recording: recording.transpose()?,
         live: foxglove.as_ref().map(FoxglovePort::viewers),
+        ..RunOutputs::default()
     };
     let outputs = outputs.is_needed().then_some(outputs);
     let server = Server::open_with_outputs(&cell, &settings, (), outputs);

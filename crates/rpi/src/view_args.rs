@@ -19,8 +19,8 @@ pub(crate) struct RecordedRun {
     /// command, call or fragment stands for all flows inside. The recording is replayed. May be repeated.
     #[arg(long, value_name = "FLOW")]
     pub(crate) watch: Vec<String>,
-    /// Program that was recorded, if it consists of several files (for --watch).
-    #[arg(long, value_name = "FILE", requires = "watch")]
+    /// Program that was recorded, if it consists of several files (for --watch, and for the net in `rpi view`).
+    #[arg(long, value_name = "FILE")]
     pub(crate) program: Option<PathBuf>,
 }
 

@@ -2,7 +2,7 @@
 
 use std::error::Error;
 use std::fmt::Write;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use clap::Args;
 use rpi_core::CommandId;
@@ -10,6 +10,7 @@ use rpi_driver::{AnalysedNet, Compiled};
 use rpi_net::{ExportPort, PortRef};
 use rpi_record::mcap::{Recording, replay_observed};
 use rpi_replay::why::{History, Why, WhyStep, why};
+use serde_json::{Value, json};
 
 use crate::exit::{CommandResult, Exit};
 use crate::recorded_run;
@@ -33,32 +34,66 @@ pub(crate) struct WhyArgs {
 /// Carries out `rpi why`.
 pub(crate) fn why_command(args: &WhyArgs) -> CommandResult {
     let mut recording = recorded_run::open(&args.recording)?;
-    let names = std::slice::from_ref(&args.flow);
+    let question = Question {
+        flow: &args.flow,
+        until: args.at.map_or(u64::MAX, |at| at / recording.tick_ns),
+        program: args.program.as_deref(),
+    };
+    let explained = explain(&mut recording, &question)?;
+    rpi_cli::print(explained.text())?;
+    Ok(Exit::Success)
+}
+
+/// Question for the causes of a value.
+pub(crate) struct Question<'a> {
+    /// Name of the flow, with the command and the path to it.
+    pub(crate) flow: &'a str,
+    /// Number of the tick of the value. The last cycle of the command up to this tick counts.
+    pub(crate) until: u64,
+    /// File of the program, which is needed if it consists of several files.
+    pub(crate) program: Option<&'a Path>,
+}
+
+/// Answer to a question.
+pub(crate) struct Explained {
+    answer: Why,
+    compiled: Compiled,
+    times: Times,
+}
+
+/// Replays a recording and returns the causes of a value. The images of the recording are replaced.
+pub(crate) fn explain(
+    recording: &mut Recording,
+    question: &Question<'_>,
+) -> Result<Explained, Box<dyn Error>> {
+    let flow = question.flow;
     let compiled = compiled_again(
-        &mut recording,
-        names,
-        args.program.as_deref(),
+        recording,
+        &[flow.to_owned()],
+        question.program,
         rpi_driver::lower_for_observation_in_tick,
     )?;
     let nets = compiled.nets().iter();
-    let requested: Vec<(&AnalysedNet, String, PortRef)> = nets
-        .flat_map(|net| requested_ports(net, &args.flow))
-        .collect();
+    let requested: Vec<(&AnalysedNet, String, PortRef)> =
+        nets.flat_map(|net| requested_ports(net, flow)).collect();
     let [(net, name, port)] = &requested[..] else {
-        return Err(not_one_value(&args.flow, &requested).into());
+        return Err(not_one_value(flow, &requested).into());
     };
-    let (history, last_tick) = history(&recording, net, args.at)?;
+    let (history, last_tick) = history(recording, net, question.until)?;
     let cycle = history
         .last_cycle()
         .ok_or_else(|| format!("{} has no cycle up to this time", net.name))?;
     let answer = why(net, &history, *port, name, cycle);
-    let time = Times {
+    let times = Times {
         tick_ns: recording.tick_ns,
         cycle,
         tick: last_tick,
     };
-    rpi_cli::print(text(&answer, &compiled, &time))?;
-    Ok(Exit::Success)
+    Ok(Explained {
+        answer,
+        compiled,
+        times,
+    })
 }
 
 /// Returns the exported ports of a net that a name selects, with their names in the command.
@@ -102,14 +137,13 @@ fn not_one_value(flow: &str, requested: &[(&AnalysedNet, String, PortRef)]) -> S
     }
 }
 
-/// Replays a recording up to a time (ns since the start of the run) and returns the values of the last run of the command up to
-/// then, with the number of the tick of its last cycle.
+/// Replays a recording up to a tick and returns the values of the last run of the command up to then, with the number of the tick of
+/// its last cycle.
 fn history(
     recording: &Recording,
     net: &AnalysedNet,
-    at: Option<u64>,
+    until: u64,
 ) -> Result<(History, u64), Box<dyn Error>> {
-    let until = at.map_or(u64::MAX, |at| at / recording.tick_ns);
     let mut found: Option<(CommandId, History, u64)> = None;
     let report = replay_observed(recording, &mut |tick, id, command| {
         let instance = command.instance();
@@ -141,34 +175,69 @@ struct Times {
 }
 
 impl Times {
+    fn tick_of(&self, cycle: u64) -> u64 {
+        self.tick.saturating_sub(self.cycle.saturating_sub(cycle))
+    }
+
     fn seconds(&self, cycle: u64) -> f64 {
-        let tick = self.tick.saturating_sub(self.cycle.saturating_sub(cycle));
-        tick as f64 * self.tick_ns as f64 * 1e-9
+        self.tick_of(cycle) as f64 * self.tick_ns as f64 * 1e-9
     }
 }
 
-/// Returns an answer as lines, each indented below the one of which it is a cause.
-fn text(answer: &Why, compiled: &Compiled, times: &Times) -> String {
-    let mut children: Vec<Vec<usize>> = vec![Vec::new(); answer.steps.len()];
-    for (k, step) in answer.steps.iter().enumerate() {
-        if let Some(of) = step.of {
-            children[of].push(k);
+impl Explained {
+    /// Returns the answer as lines, each indented below the one of which it is a cause.
+    fn text(&self) -> String {
+        let answer = &self.answer;
+        let mut children: Vec<Vec<usize>> = vec![Vec::new(); answer.steps.len()];
+        for (k, step) in answer.steps.iter().enumerate() {
+            if let Some(of) = step.of {
+                children[of].push(k);
+            }
         }
+        let mut text = String::new();
+        let mut open = vec![(0, 0)];
+        while let Some((k, depth)) = open.pop() {
+            let step = &answer.steps[k];
+            let place = self.place(step);
+            let place = place.map_or_else(String::new, |(file, line)| format!("{file}:{line}"));
+            let line = format!("{}{}", "  ".repeat(depth), step_text(step, &self.times));
+            // Writing to a string cannot fail.
+            let _ = writeln!(text, "{line:<64} {place}");
+            open.extend(children[k].iter().rev().map(|child| (*child, depth + 1)));
+        }
+        if answer.is_incomplete {
+            text.push_str("further causes are left out\n");
+        }
+        text
     }
-    let mut text = String::new();
-    let mut open = vec![(0, 0)];
-    while let Some((k, depth)) = open.pop() {
-        let step = &answer.steps[k];
-        let place = place(step, compiled);
-        let line = format!("{}{}", "  ".repeat(depth), step_text(step, times));
-        // Writing to a string cannot fail.
-        let _ = writeln!(text, "{line:<64} {place}");
-        open.extend(children[k].iter().rev().map(|child| (*child, depth + 1)));
+
+    /// Returns the answer for the page of `rpi view`.
+    pub(crate) fn json(&self) -> Value {
+        let steps = self.answer.steps.iter().map(|step| {
+            let place = self.place(step);
+            json!({
+                "of": step.of,
+                "name": step.name,
+                "value": step.value,
+                "tick": self.times.tick_of(step.cycle),
+                "since": self.times.tick_of(step.since),
+                "isRoot": step.is_root,
+                "file": place.map(|(file, _)| file),
+                "line": place.map(|(_, line)| line),
+            })
+        });
+        json!({
+            "steps": steps.collect::<Vec<_>>(),
+            "isIncomplete": self.answer.is_incomplete,
+        })
     }
-    if answer.is_incomplete {
-        text.push_str("further causes are left out\n");
+
+    /// Returns the file and line of a step; `None` for one without a place.
+    fn place(&self, step: &WhyStep) -> Option<(&str, u32)> {
+        let sources = &self.compiled.sources;
+        let line = || sources.line_col(step.span).line;
+        (!step.span.is_none()).then(|| (sources.name(step.span.file), line()))
     }
-    text
 }
 
 fn step_text(step: &WhyStep, times: &Times) -> String {
@@ -181,12 +250,4 @@ fn step_text(step: &WhyStep, times: &Times) -> String {
             format!("{} = {value} from {since:.3} s to {at:.3} s", step.name)
         }
     }
-}
-
-fn place(step: &WhyStep, compiled: &Compiled) -> String {
-    if step.span.is_none() {
-        return String::new();
-    }
-    let line = compiled.sources.line_col(step.span).line;
-    format!("{}:{line}", compiled.sources.name(step.span.file))
 }

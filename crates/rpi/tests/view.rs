@@ -177,16 +177,90 @@ fn the_page_works_in_chromium() {
     report(&example("lifting"), "lifting", folder.path(), &[]);
     let long = twice_as_long(folder.path());
     report(&long, "long", folder.path(), &[]);
+    let large = folder.path().join("of-20000-flows.rpi");
+    std::fs::write(&large, of_20000_flows()).unwrap();
+    report(&large, "large", folder.path(), &["--time", "10ms"]);
     let view = View::start(&recording);
+    browse(&web, "page.test.mjs", folder.path(), &view.url);
+}
+
+/// Runs the tests of a file in Chromium.
+fn browse(web: &Path, file: &str, reports: &Path, url: &str) {
     let output = Command::new("node")
-        .args(["--test", "--test-concurrency=1", "test/page.test.mjs"])
+        .args(["--test", "--test-concurrency=1", &format!("test/{file}")])
         .current_dir(web)
-        .env("RPI_REPORTS", folder.path())
-        .env("RPI_VIEW_URL", &view.url)
+        .env("RPI_REPORTS", reports)
+        .env("RPI_VIEW_URL", url)
         .output()
         .unwrap();
     println!("{}", output_text(&output));
     assert!(output.status.success(), "{}", output_text(&output));
+}
+
+/// Returns a program with 200 fragments of 100 flows each. Each flow reads an earlier one and one far back.
+fn of_20000_flows() -> String {
+    let mut text = "command Main ()\nlet\n  n = (0 -> pre n) + 1;\n".to_owned();
+    for fragment in 0..200 {
+        let source = match fragment {
+            0 => "n".to_owned(),
+            _ => format!("(F{}.x99 ?? 0)", fragment - 1),
+        };
+        text.push_str(&format!(
+            "  fragment F{fragment} when n mod {} = 0\n  let\n    x0 = {source} + 1;\n",
+            2 + fragment % 7
+        ));
+        for flow in 1..100 {
+            let far = flow * 7 % 13 % flow;
+            text.push_str(&format!(
+                "    x{flow} = (x{} + x{far}) mod 1000;\n",
+                flow - 1
+            ));
+        }
+        text.push_str("  tel\n");
+    }
+    text.push_str("  last = F199.x99 ?? 0;\n  finish over when last < 0;\n  export last;\ntel\n");
+    text
+}
+
+#[test]
+fn the_page_follows_a_run() {
+    let Some(web) = browser_tests() else {
+        // Reported by the test above.
+        return;
+    };
+    let folder = tempfile::tempdir().unwrap();
+    let recording = folder.path().join("out.mcap");
+    let mut run = Command::new(env!("CARGO_BIN_EXE_rpi"))
+        .arg("run")
+        .arg(example("blending"))
+        .args(["--real-time", "--time", "20s", "--period", "10ms"])
+        .args(["--view", "--no-open", "--record"])
+        .arg(&recording)
+        .stdout(Stdio::null())
+        .stderr(Stdio::piped())
+        .spawn()
+        .unwrap();
+    let mut messages = BufReader::new(run.stderr.take().unwrap()).lines();
+    let mut lines = messages.by_ref().map_while(Result::ok);
+    let url = lines.find_map(|line| {
+        let (_, url) = line.split_once("the run is shown at ")?;
+        Some(url.trim().to_owned())
+    });
+    let url = url.expect("the run prints the address of its page");
+    // The rest of the messages must not fill the pipe.
+    let rest = std::thread::spawn(move || messages.map_while(Result::ok).collect::<Vec<_>>());
+    browse(&web, "live.test.mjs", folder.path(), &url);
+    rustix::process::kill_process(
+        rustix::process::Pid::from_child(&run),
+        rustix::process::Signal::INT,
+    )
+    .unwrap();
+    let status = run.wait().unwrap();
+    let messages = rest.join().unwrap();
+    assert_eq!(status.code(), Some(0), "{messages:?}");
+    // No tick is missing although a page was shown.
+    let replay = rpi(&["replay", recording.to_str().unwrap()]);
+    assert_eq!(replay.status.code(), Some(0), "{}", output_text(&replay));
 }
 
 /// Writes the program of `examples/blending` with twice as many rounds: more than 100 000 cycles. Returns its path.

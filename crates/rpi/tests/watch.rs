@@ -202,6 +202,15 @@ fn flows_that_were_not_recorded_are_computed_again() {
         let watched = columns(&rpi(&["export", &file("watched.mcap")]));
         let replayed = columns(&rpi(&["export", &file("plain.mcap"), "--watch", "Main"]));
         assert_eq!(watched, replayed);
+        // A recording with watched flows is replayed with others, too.
+        let flow = "Main.Late.from_three";
+        for watch in ["Main", flow, "Main.level.inner"] {
+            let name = file(&format!("{watch}.mcap"));
+            rpi(&["run", program, "--record", &name, "--watch", watch]);
+            let again = columns(&rpi(&["export", &name, "--watch", "Main"]));
+            assert_eq!(again, replayed, "{watch}");
+            assert!(rpi(&["why", &name, flow]).starts_with("Late.from_three = 6 at"));
+        }
         assert_eq!(
             replayed["/command/Main/Late.from_three"],
             ["0", "1", "2", "3", "4", "5", "6"]

@@ -1,4 +1,5 @@
-//! `rpi why` on programs with a known cause. Each file `tests/why/NAME.rpi` begins with the question; `NAME.txt` is the answer.
+//! `rpi why` on programs with a known cause. Each file `tests/why/NAME.rpi` begins with the question, and the exit status of the run if it is
+//! not 0; `NAME.txt` is the answer, and `NAME.toml` the cell if the program has one.
 //! `RPI_BLESS=1` writes the answers.
 
 mod support;
@@ -27,7 +28,7 @@ fn programs() -> Vec<PathBuf> {
 #[test]
 fn the_slice_names_the_cause_and_nothing_beside_it() {
     let programs = programs();
-    assert!(programs.len() >= 12);
+    assert!(programs.len() >= 20);
     for program in programs {
         let text = std::fs::read_to_string(&program).unwrap();
         let question = text
@@ -38,8 +39,18 @@ fn the_slice_names_the_cause_and_nothing_beside_it() {
         let recorded = tempfile::tempdir().unwrap();
         let file = recorded.path().join("run.mcap");
         let (name, file) = (program.to_str().unwrap(), file.to_str().unwrap());
-        let (status, _, message) = rpi_texts(&["run", name, "--record", file]);
-        assert_eq!(status, 0, "{name}: {message}");
+        let exit = text
+            .lines()
+            .nth(1)
+            .and_then(|line| line.strip_prefix("--| exit "));
+        let exit = exit.map_or(0, |status| status.parse().unwrap());
+        let cell = program.with_extension("toml");
+        let mut arguments = vec!["run", name, "--record", file];
+        if cell.exists() {
+            arguments.extend(["--cell", cell.to_str().unwrap()]);
+        }
+        let (status, _, message) = rpi_texts(&arguments);
+        assert_eq!(status, exit, "{name}: {message}");
         let (status, answer, message) = rpi_texts(&["why", file, flow]);
         assert_eq!(status, 0, "{name}: {message}");
         let answer: String = answer

@@ -106,12 +106,14 @@ const EDGES: &[(&str, &[&str])] = &[
             "rpi-words",
         ],
     ),
+    ("rpi-graph", &[]),
     (
         "rpi-replay",
         &[
             "rpi-core",
             "rpi-device",
             "rpi-diag",
+            "rpi-graph",
             "rpi-image",
             "rpi-literal",
             "rpi-lower",
@@ -137,7 +139,7 @@ const EDGES: &[(&str, &[&str])] = &[
             "rpi-syntax",
         ],
     ),
-    ("rpi-view", &["rpi-image", "rpi-record"]),
+    ("rpi-view", &["rpi-graph", "rpi-image", "rpi-record"]),
     ("rpi-client", &[]),
     (
         "rpi-serve",
@@ -170,7 +172,13 @@ const EDGES: &[(&str, &[&str])] = &[
     ),
     (
         "rpi-doc",
-        &["rpi-diag", "rpi-driver", "rpi-sema", "rpi-syntax"],
+        &[
+            "rpi-diag",
+            "rpi-driver",
+            "rpi-graph",
+            "rpi-sema",
+            "rpi-syntax",
+        ],
     ),
     ("rpi-cli", &["rpi-diag"]),
     (
@@ -202,6 +210,7 @@ const EDGES: &[(&str, &[&str])] = &[
             "rpi-diag",
             "rpi-driver",
             "rpi-files",
+            "rpi-graph",
             "rpi-image",
             "rpi-net",
             "rpi-record",

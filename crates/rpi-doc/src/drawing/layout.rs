@@ -2,7 +2,8 @@
 
 use std::fmt::Write as _;
 
-use super::layering::{Edge, LayerConstraint, Layers, layers};
+use rpi_graph::{Edge, LayerConstraint, Layers, layers};
+
 use super::scene::{Drawing, End, Link, Role, SceneId, Shape};
 
 /// Width of a character in the title of a box, in SVG units (pixels).
@@ -68,7 +69,7 @@ pub(super) fn lay_out(drawing: &Drawing, scene: SceneId) -> SceneLayout {
         .collect();
     let pins: Vec<LayerConstraint> = this.shapes.iter().map(pin).collect();
     let mut edges: Vec<Edge> = this.links.iter().map(edge).collect();
-    let layers = layers(&pins, &mut edges);
+    let layers = layers(&pins, &mut edges, usize::MAX);
     let mut plan = Plan {
         links: &this.links,
         edges,

@@ -10,12 +10,10 @@
 //! | `body_scene.rs` | from a body to a scene |
 //! | `links.rs` | data flow lines through borders |
 //! | `task.rs` | from a task to a scene |
-//! | `layering.rs` | order of boxes: layers from left to right, few crossings |
-//! | `layout.rs` | coordinates of boxes and lines |
+//! | `layout.rs` | coordinates of boxes and lines, in the layers of `rpi-graph` |
 //! | `svg.rs` | SVG output |
 
 mod body_scene;
-mod layering;
 mod layout;
 mod links;
 mod reads;

@@ -37,9 +37,9 @@ pub(super) enum PartEnd {
 pub(super) type ReadOn = Result<bool, RecordingError>;
 
 /// Bytes of a file of a recording from some position on.
-pub(super) trait PartInput: Read + Seek {}
+pub(super) trait PartInput: Read + Seek + Send {}
 
-impl<T: Read + Seek> PartInput for T {}
+impl<T: Read + Seek + Send> PartInput for T {}
 
 impl PartSource {
     /// Opens the file for reading from any position.

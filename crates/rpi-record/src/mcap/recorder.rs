@@ -14,6 +14,7 @@ use rpi_runtime::tick_log::{LoggingBank, TickLogReader};
 use rpi_sim::{Cell, SimBank};
 
 use super::live::LiveViewers;
+use super::live_run::LiveRun;
 use super::names::NameTable;
 use super::part_writer::{PartHead, PartWriter};
 use super::parts::{OpenPart, PartLimits};
@@ -44,20 +45,22 @@ pub struct RecordingOptions {
     pub origin: RunSources,
 }
 
-/// Where the messages of a run go: a recording, viewers that are connected while it goes on, or both.
+/// Where the messages and values of a run go: a recording, viewers that are connected while it goes on, and the page that shows it.
 #[derive(Default)]
 pub struct RunOutputs {
     /// Recording; `None` for a run that is not recorded.
     pub recording: Option<RecordingOptions>,
     /// Live viewers; `None` without them.
     pub live: Option<Box<dyn LiveViewers>>,
+    /// Values for the page that shows the run; `None` without it.
+    pub values: Option<LiveRun>,
 }
 
 impl RunOutputs {
     /// Returns whether there is an output.
     #[must_use]
     pub fn is_needed(&self) -> bool {
-        self.recording.is_some() || self.live.is_some()
+        self.recording.is_some() || self.live.is_some() || self.values.is_some()
     }
 }
 
@@ -65,7 +68,7 @@ impl From<RecordingOptions> for RunOutputs {
     fn from(recording: RecordingOptions) -> RunOutputs {
         RunOutputs {
             recording: Some(recording),
-            live: None,
+            ..RunOutputs::default()
         }
     }
 }
@@ -252,6 +255,8 @@ fn outputs(wanted: RunOutputs, run: &Recorded<'_>) -> io::Result<Vec<RunOutput>>
     }
     let live = wanted.live.into_iter();
     outputs.extend(live.map(|viewers| RunOutput::live(run, viewers)));
+    let values = wanted.values.into_iter();
+    outputs.extend(values.map(|values| RunOutput::values(run, values)));
     Ok(outputs)
 }
 

@@ -1,4 +1,4 @@
-//! Output of the messages of a run in one profile: the files of a recording, or live viewers.
+//! Output of the messages of a run in one profile: the files of a recording, live viewers, or the readers of its values.
 
 use std::io;
 use std::sync::Arc;
@@ -9,6 +9,7 @@ use serde_json::Value;
 
 use super::event_json;
 use super::live::{LiveOutput, LiveViewers};
+use super::live_run::{LiveRun, LiveRunOutput};
 use super::names::NameTable;
 use super::own_topics::OwnTopics;
 use super::part_writer::{EncodedTopic, PartWriter};
@@ -21,6 +22,7 @@ use rpi_runtime::run::Recorded;
 enum Destination {
     Files(Box<PartWriter>),
     Live(LiveOutput),
+    Values(Box<LiveRunOutput>),
 }
 
 /// Output of the messages of a run, with the topics and encoders of its profile.
@@ -44,6 +46,12 @@ impl RunOutput {
         let mut output = RunOutput::new(Profile::Foxglove, run, live);
         output.update_live_topics();
         output
+    }
+
+    /// Creates the output to the readers of the values of a run.
+    pub(super) fn values(run: &Recorded<'_>, shared: LiveRun) -> RunOutput {
+        let values = Destination::Values(Box::new(LiveRunOutput::new(run, shared)));
+        RunOutput::new(Profile::Json, run, values)
     }
 
     fn new(profile: Profile, run: &Recorded<'_>, destination: Destination) -> RunOutput {
@@ -84,6 +92,10 @@ impl RunOutput {
 
     /// Writes an event, given as JSON, and its entry in the log that viewers show.
     pub(super) fn event(&mut self, event: &Value, time: u64) -> io::Result<()> {
+        if let Destination::Values(values) = &mut self.destination {
+            values.event(event);
+            return Ok(());
+        }
         let (topic, data) = self.own.event(event);
         write(&mut self.destination, topic, time, &data)?;
         let scene = self.scene.as_ref();
@@ -98,9 +110,13 @@ impl RunOutput {
         names: &mut NameTable,
         time: u64,
     ) -> io::Result<()> {
-        if let Destination::Files(parts) = &mut self.destination {
-            let (topic, data) = self.own.image(number, image);
-            parts.write(topic, time, &data)?;
+        match &mut self.destination {
+            Destination::Files(parts) => {
+                let (topic, data) = self.own.image(number, image);
+                parts.write(topic, time, &data)?;
+            }
+            Destination::Values(values) => values.image(image),
+            Destination::Live(_) => {}
         }
         self.topics.add_image(number, image, names);
         self.update_live_topics();
@@ -120,7 +136,7 @@ impl RunOutput {
                 let (topic, data) = self.own.tick(words);
                 parts.write(topic, time, &data)
             }
-            Destination::Live(_) => Ok(()),
+            Destination::Live(_) | Destination::Values(_) => Ok(()),
         }
     }
 
@@ -131,6 +147,10 @@ impl RunOutput {
         names: &NameTable,
         time: u64,
     ) -> io::Result<()> {
+        if let Destination::Values(values) = &mut self.destination {
+            values.tick(tick.number, &self.topics.messages(tick, names));
+            return Ok(());
+        }
         for message in self.topics.messages(tick, names) {
             let topic = &message.topic.encoded;
             if needs(&self.destination, topic) {
@@ -146,6 +166,7 @@ impl RunOutput {
         let begins = match &mut self.destination {
             Destination::Files(parts) => parts.end_tick(time)?,
             Destination::Live(live) => !std::mem::replace(&mut live.has_begun, true),
+            Destination::Values(_) => false,
         };
         match (&self.scene, begins) {
             (Some(scene), true) => self.write_scene(time, scene.descriptions()),
@@ -166,6 +187,10 @@ impl RunOutput {
                 live.set_topics(std::iter::empty());
                 Ok(())
             }
+            Destination::Values(values) => {
+                values.finish();
+                Ok(())
+            }
         }
     }
 }
@@ -174,6 +199,7 @@ fn needs(destination: &Destination, topic: &Arc<EncodedTopic>) -> bool {
     match destination {
         Destination::Files(_) => true,
         Destination::Live(live) => live.needs(topic),
+        Destination::Values(_) => false,
     }
 }
 
@@ -189,6 +215,8 @@ fn write(
             live.write(topic, time, data);
             Ok(())
         }
+        // These get values, and no messages.
+        Destination::Values(_) => Ok(()),
     }
 }
 

@@ -35,7 +35,11 @@ pub(super) fn causes(net: &Net, history: &History, port: PortRef, cycle: u64) ->
         Role::Constant => Causes::Root("a constant".to_owned()),
         Role::Delay => view.delay(port.node),
         Role::First => Causes::Root("whether this is the first cycle of its fragment".to_owned()),
-        Role::Sensor(_) => Causes::Root(format!("the sensor {}", view.device_port())),
+        Role::Sensor(_) => {
+            let is_absent = history.value(port, cycle).is_none();
+            let state = if is_absent { " has no sample" } else { "" };
+            Causes::Root(format!("the sensor {}{state}", view.device_port()))
+        }
         Role::Input => Causes::Root(format!("the input {}", view.text_parameter("Key"))),
         Role::Flow(flow) => Causes::Root(flow_text(flow).to_owned()),
         Role::DeviceFunction(_) => view.all_or(|| format!("the answer of {}", view.device_port())),

@@ -5,6 +5,7 @@ use std::collections::{BTreeMap, VecDeque};
 use rpi_core::Instance;
 use rpi_image::image::{Image, Signal};
 use rpi_net::{Net, NodeId, PortRef};
+use rpi_runtime::run::fault_text;
 
 /// Maximum memory for the values, in 64-bit words: 256 MiB.
 const MAX_WORDS: usize = 1 << 25;
@@ -18,6 +19,8 @@ struct Frame {
     present: Box<[bool]>,
     /// For each fragment of the image, whether it was active.
     active: Box<[bool]>,
+    /// Fault that ended the command in this cycle: the slot of the value that could not be computed, and the reason.
+    fault: Option<(u32, &'static str)>,
 }
 
 /// Values of all ports of a command in its last cycles, as far as they fit into memory.
@@ -82,6 +85,9 @@ impl History {
             words,
             present,
             active,
+            fault: instance
+                .fault()
+                .map(|fault| (fault.slot, fault_text(fault.code))),
         });
     }
 
@@ -108,6 +114,13 @@ impl History {
         let frame = self.frame(cycle)?;
         let (signal, _, at) = self.places[probe];
         frame.present[probe].then(|| &frame.words[at..at + signal.ty.slots() as usize])
+    }
+
+    /// Returns the reason why the value of a port could not be computed in a cycle; `None` if it was.
+    pub(super) fn fault(&self, port: PortRef, cycle: u64) -> Option<&'static str> {
+        let probe = *self.probes.get(&(port.node.0, port.port))?;
+        let (slot, reason) = self.frame(cycle)?.fault?;
+        (self.places[probe].0.start == slot).then_some(reason)
     }
 
     /// Returns whether a fragment, by its number in the image, was active in a cycle.

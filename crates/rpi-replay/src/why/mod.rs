@@ -93,13 +93,13 @@ impl Slice<'_> {
 
     fn follow(&mut self, port: PortRef, cycle: u64, step: usize) {
         match causes(self.net, self.history, port, cycle) {
-            Causes::Ports(ports) if ports.is_empty() => self.root(step, "a constant".into(), cycle),
+            Causes::Ports(ports) if ports.is_empty() => {}
             Causes::Ports(ports) => {
                 for (cause, cycle) in ports {
                     self.add_cause(cause, cycle, step);
                 }
             }
-            Causes::Root(text) => self.root(step, text, cycle),
+            Causes::Root(text) => self.root(step, text, (port, cycle)),
             Causes::Inactive {
                 fragment,
                 condition,
@@ -199,9 +199,14 @@ impl Slice<'_> {
         self.push(step)
     }
 
-    fn root(&mut self, step: usize, text: String, cycle: u64) {
-        let of = &self.answer.steps[step];
-        let span = of.span;
+    /// Adds what has no further cause: the value of a port in a cycle.
+    fn root(&mut self, step: usize, text: String, (port, cycle): (PortRef, u64)) {
+        let own = self.net.node(port.node).origin.span;
+        let span = if own.is_none() {
+            self.answer.steps[step].span
+        } else {
+            own
+        };
         let is_known =
             |known: &WhyStep| known.of == Some(step) && known.is_root && known.name == text;
         if text == "a constant" || self.answer.steps.iter().any(is_known) {
@@ -230,6 +235,9 @@ fn value_text(net: &Net, history: &History, port: PortRef, cycle: u64) -> String
         .outputs
         .get(usize::from(port.port))
         .copied();
+    if let Some(reason) = history.fault(port, cycle) {
+        return format!("a fault, {reason},");
+    }
     match (history.value(port, cycle), ty) {
         (Some(words), Some(ty)) => rpi_literal::write(words, ty),
         _ => "absent".to_owned(),

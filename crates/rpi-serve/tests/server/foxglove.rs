@@ -46,6 +46,7 @@ fn open() -> (FoxglovePort, Server) {
     let outputs = RunOutputs {
         recording: None,
         live: Some(port.viewers()),
+        ..RunOutputs::default()
     };
     let server = Server::open_with_outputs(&cell, &settings(), (), Some(outputs)).unwrap();
     (port, server)

@@ -1,6 +1,7 @@
 // One chart: flows of a family over time, with limits, derivatives and the values at the shown tick.
 
 import uPlot from "uplot";
+import { button } from "./button";
 import type { ArmHead, Flow } from "./document";
 import { grid, sample } from "./decimate";
 import { colour, style } from "./palette";
@@ -20,7 +21,13 @@ export interface ChartContent {
   lines: Line[];
 }
 
-const ORDERS = ["Value", "Velocity", "Acceleration", "Jerk"];
+/** Derivatives by their order: name, and text of the button. */
+const ORDERS = [
+  ["Value", "Value"],
+  ["Velocity", "Velocity"],
+  ["Acceleration", "Accel."],
+  ["Jerk", "Jerk"],
+] as const;
 const HEIGHT = 190;
 
 /** Returns the limits of a flow for a derivative; an infinite limit is left out. */
@@ -66,6 +73,7 @@ export class Chart {
     }).observe(this.element);
     state.onTick(() => this.showTick());
     state.onRange(() => this.markStale());
+    state.onGrow(() => this.markStale());
     state.onTheme(() => this.rebuild());
     this.rebuild();
   }
@@ -76,21 +84,31 @@ export class Chart {
     title.textContent = this.content.title;
     this.element.setAttribute("aria-label", this.content.title);
     header.append(title);
-    if (this.content.lines.some((line) => line.flow.kind === "real")) {
-      const select = document.createElement("select");
-      select.setAttribute("aria-label", `Derivative of ${this.content.title}`);
-      ORDERS.forEach((name, order) => select.add(new Option(name, String(order))));
-      select.addEventListener("change", () => {
-        this.order = Number(select.value);
-        this.rebuild();
-      });
-      header.append(select);
-    }
+    if (this.content.lines.some((line) => line.flow.kind === "real")) header.append(this.orders());
     header.append(
       button("CSV", `Export ${this.content.title} as CSV`, () => this.exportCsv()),
       button("×", `Close ${this.content.title}`, () => close(this)),
     );
     return header;
+  }
+
+  /** Buttons that choose the derivative. */
+  private orders(): HTMLElement {
+    const group = document.createElement("span");
+    group.className = "orders";
+    group.setAttribute("role", "group");
+    group.setAttribute("aria-label", `Derivative of ${this.content.title}`);
+    const buttons = ORDERS.map(([name, text], order) =>
+      button(text, `${name} of ${this.content.title}`, () => {
+        this.order = order;
+        show();
+        this.rebuild();
+      }),
+    );
+    const show = () => buttons.forEach((made, order) => made.setAttribute("aria-pressed", String(order === this.order)));
+    show();
+    group.append(...buttons);
+    return group;
   }
 
   private colour(line: Line): string {
@@ -213,27 +231,28 @@ export class Chart {
     return (isOne && limits(this.state.recording.head.arms, shown[0]!.flow, this.order)) || [];
   }
 
-  /** Shades what lies outside of the limits of the only visible line; for several lines, draws their limits. */
+  /** Shades what lies outside of the limits of all visible lines, and draws the limits of each. */
   private drawLimits(plot: uPlot): void {
     const { ctx, bbox } = plot;
-    const shown = this.content.lines.filter((_, k) => this.visible[k]);
-    const isOne = this.shadedLimits().length > 0;
+    const limited = this.content.lines.flatMap((line, k) => {
+      const range = this.visible[k] ? limits(this.state.recording.head.arms, line.flow, this.order) : undefined;
+      return range ? [{ line, range: range.map((value) => plot.valToPos(value, "y", true)) as [number, number] }] : [];
+    });
     ctx.save();
     ctx.beginPath();
     ctx.rect(bbox.left, bbox.top, bbox.width, bbox.height);
     ctx.clip();
-    for (const line of shown) {
-      const range = limits(this.state.recording.head.arms, line.flow, this.order);
-      if (!range) continue;
-      const [low, high] = range.map((value) => plot.valToPos(value, "y", true)) as [number, number];
-      if (isOne) {
-        ctx.fillStyle = style("--limit");
-        ctx.fillRect(bbox.left, bbox.top, bbox.width, high - bbox.top);
-        ctx.fillRect(bbox.left, low, bbox.width, bbox.top + bbox.height - low);
-      }
+    if (limited.length > 0 && limited.length === this.visible.filter(Boolean).length) {
+      // The largest value has the smallest ordinate.
+      const [low, high] = [Math.max(...limited.map(({ range }) => range[0])), Math.min(...limited.map(({ range }) => range[1]))];
+      ctx.fillStyle = style("--limit");
+      ctx.fillRect(bbox.left, bbox.top, bbox.width, high - bbox.top);
+      ctx.fillRect(bbox.left, low, bbox.width, bbox.top + bbox.height - low);
+    }
+    for (const { line, range } of limited) {
       ctx.strokeStyle = this.colour(line);
       ctx.setLineDash([2, 4]);
-      for (const y of [low, high]) {
+      for (const y of range) {
         ctx.beginPath();
         ctx.moveTo(bbox.left, y);
         ctx.lineTo(bbox.left + bbox.width, y);
@@ -287,7 +306,7 @@ export class Chart {
     const { recording } = this.state;
     const lines = this.content.lines.filter((_, k) => this.visible[k]);
     const unit = (line: Line) => (line.flow.unit(this.order) ? ` [${line.flow.unit(this.order)}]` : "");
-    const suffix = this.order > 0 ? ` ${ORDERS[this.order]!.toLowerCase()}` : "";
+    const suffix = this.order > 0 ? ` ${ORDERS[this.order]![0].toLowerCase()}` : "";
     const rows = [["cycle", "time [s]", ...lines.map((line) => `${line.flow.id}${suffix}${unit(line)}`)].map(quoted).join(",")];
     const [from, to] = this.state.range;
     for (let tick = Math.ceil(from); tick < to; tick++) {
@@ -322,16 +341,6 @@ function axisText(value: number): string {
 /** Returns a field of a CSV file (RFC 4180). */
 function quoted(text: string): string {
   return /[",\r\n]/.test(text) ? `"${text.replaceAll('"', '""')}"` : text;
-}
-
-export function button(text: string, label: string, press: () => void): HTMLButtonElement {
-  const made = document.createElement("button");
-  made.type = "button";
-  made.textContent = text;
-  made.title = label;
-  made.setAttribute("aria-label", label);
-  made.addEventListener("click", press);
-  return made;
 }
 
 function download(name: string, text: string): void {

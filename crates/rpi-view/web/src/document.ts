@@ -1,5 +1,7 @@
 // Reads the document of a recording: a head in JSON, then blocks of numbers. `document.rs` describes the form.
 
+import type { NetHead } from "./net/graph";
+
 /** Half-open interval of ticks or rows. */
 export type Span = [number, number];
 
@@ -70,23 +72,39 @@ export interface Head {
   events: RecordedEvent[];
   lost: number;
   cut: string | null;
+  nets: NetHead[];
+  /** Reason why there are no nets. */
+  netsNote: string | null;
+  /** Whether the run goes on. */
+  live: boolean;
 }
 
 const MAGIC = "RPIVIEW1";
 
 /** Topic of a recording: the ticks for which its flows have rows. */
 export class Topic {
+  readonly spans: Span[] = [];
   /** First row of each interval of ticks. */
   private readonly firstRows: number[] = [];
+  private rows = 0;
 
   constructor(
     readonly name: string,
-    readonly spans: Span[],
+    spans: Span[],
   ) {
-    let rows = 0;
+    this.append(spans);
+  }
+
+  /** Adds later intervals of ticks. */
+  append(spans: Span[]): void {
     for (const [from, to] of spans) {
-      this.firstRows.push(rows);
-      rows += to - from;
+      const last = this.spans.at(-1);
+      if (last && last[1] === from) last[1] = to;
+      else {
+        this.spans.push([from, to]);
+        this.firstRows.push(this.rows);
+      }
+      this.rows += to - from;
     }
   }
 
@@ -124,6 +142,8 @@ export class Flow {
   readonly id: string;
   /** Values by row, and derivatives by order, computed when they are first used. */
   private readonly derivatives: Float64Array[] = [];
+  /** Memory of the values of a run that goes on, with room for later ones. */
+  private room = new Float64Array(0);
 
   constructor(
     readonly topic: Topic,
@@ -182,6 +202,24 @@ export class Flow {
     return this.values(order)[row];
   }
 
+  /** Adds the values of later ticks, which are those of the same flow in another document. */
+  append(more: Flow): void {
+    const [own, added] = [this.values(), more.values()];
+    const rows = own.length + added.length;
+    if (rows > this.room.length) {
+      this.room = new Float64Array(Math.max(1024, 2 * rows));
+      this.room.set(own);
+    }
+    this.room.set(added, own.length);
+    this.derivatives.splice(0, Infinity, this.room.subarray(0, rows));
+    for (const [from, to] of more.head.absent) {
+      const last = this.head.absent.at(-1);
+      if (last && last[1] === from + own.length) last[1] = to + own.length;
+      else this.head.absent.push([from + own.length, to + own.length]);
+    }
+    this.head.rows = rows;
+  }
+
   private differences(order: number): Float64Array {
     const below = this.values(order - 1);
     const out = new Float64Array(below.length).fill(NaN);
@@ -226,16 +264,17 @@ function decodeRounded(head: ColumnHead, blocks: ArrayBuffer): Float64Array {
 /** Recording as the page shows it. */
 export class Recording {
   readonly flows: Flow[];
+  readonly topics: Topic[];
   private readonly byId = new Map<string, Flow>();
 
   constructor(
     readonly head: Head,
     blocks: ArrayBuffer,
+    /** Whether the server can be asked for more about the run. */
+    readonly isServed: boolean,
   ) {
-    this.flows = head.topics.flatMap((topic) => {
-      const own = new Topic(topic.name, topic.ticks);
-      return topic.columns.map((column) => new Flow(own, column, blocks, this.tickSeconds));
-    });
+    this.topics = head.topics.map((topic) => new Topic(topic.name, topic.ticks));
+    this.flows = head.topics.flatMap((topic, k) => topic.columns.map((column) => new Flow(this.topics[k]!, column, blocks, this.tickSeconds)));
     for (const flow of this.flows) this.byId.set(flow.id, flow);
   }
 
@@ -256,6 +295,45 @@ export class Recording {
     return this.byId.get(id);
   }
 
+  /** Whether the run goes on. */
+  get isLive(): boolean {
+    return this.head.live;
+  }
+
+  /** Adds the values of later ticks. Returns whether there are flows that were not known before. */
+  append(later: Recording): boolean {
+    let hasNew = false;
+    for (const topic of later.topics) {
+      const flows = later.flows.filter((flow) => flow.topic === topic);
+      const same = flows.length > 0 ? this.byId.get(flows[0]!.id)?.topic : undefined;
+      if (same && flows.every((flow) => this.byId.get(flow.id)?.topic === same)) {
+        same.append(topic.spans);
+        for (const flow of flows) this.byId.get(flow.id)!.append(flow);
+      } else if (!same) {
+        hasNew = true;
+        this.topics.push(topic);
+        this.flows.push(...flows);
+        for (const flow of flows) this.byId.set(flow.id, flow);
+      }
+    }
+    const { head } = this;
+    Object.assign(head, { ticks: [head.ticks[0], later.head.ticks[1]], activity: later.head.activity, events: later.head.events });
+    return hasNew;
+  }
+
+  /** Loads the values of a flow that was not recorded: the server replays the recording. Returns its numbers. */
+  async loadFlow(name: string): Promise<Flow[]> {
+    const response = await fetch(`flow/${encodeURIComponent(name)}`);
+    if (!response.ok) throw new Error(await response.text());
+    const added = parse(await response.arrayBuffer(), true).flows;
+    for (const flow of added) {
+      if (this.byId.has(flow.id)) continue;
+      this.byId.set(flow.id, flow);
+      this.flows.push(flow);
+    }
+    return added.map((flow) => this.byId.get(flow.id)!);
+  }
+
   /** Returns the commands that run in a tick. */
   commandsAt(tick: number): ActivityHead[] {
     return this.head.activity.filter((a) => a.path === "" && isWithin(a.spans, tick));
@@ -274,27 +352,39 @@ export function isWithin(spans: Span[], tick: number): boolean {
 }
 
 /** Parses a document. Throws an error if the bytes are not a document. */
-export function parse(bytes: ArrayBuffer): Recording {
+export function parse(bytes: ArrayBuffer, isServed: boolean): Recording {
   const view = new DataView(bytes);
   const magic = new TextDecoder().decode(bytes.slice(0, MAGIC.length));
   if (magic !== MAGIC) throw new Error("the document has an unknown form");
   const start = MAGIC.length + 4;
   const length = view.getUint32(MAGIC.length, true);
   const head = JSON.parse(new TextDecoder().decode(bytes.slice(start, start + length))) as Head;
-  return new Recording(head, bytes.slice(Math.ceil((start + length) / 8) * 8));
+  return new Recording(head, bytes.slice(Math.ceil((start + length) / 8) * 8), isServed);
 }
 
-/** Loads the document: from the page itself if it is a report, otherwise from the server. */
+/** Loads the document: from the page itself if it is a report, otherwise from the server. Waits for the first cycle of a run. */
 export async function load(): Promise<Recording> {
   const own = document.getElementById("document");
   if (own === null) {
-    const response = await fetch("document");
-    if (!response.ok) throw new Error(`the server answers ${response.status}`);
-    return parse(await response.arrayBuffer());
+    for (;;) {
+      const response = await fetch("document");
+      if (!response.ok) throw new Error(`the server answers ${response.status}`);
+      const recording = parse(await response.arrayBuffer(), true);
+      if (!recording.isLive || recording.head.ticks[1] > recording.head.ticks[0]) return recording;
+      await new Promise((done) => setTimeout(done, 100));
+    }
   }
   const text = atob(own.textContent ?? "");
   own.remove();
   const packed = Uint8Array.from(text, (letter) => letter.charCodeAt(0));
   const stream = new Blob([packed]).stream().pipeThrough(new DecompressionStream("gzip"));
-  return parse(await new Response(stream).arrayBuffer());
+  return parse(await new Response(stream).arrayBuffer(), false);
+}
+
+/** Loads the values of a run from a tick on; `undefined` if the run has ended. */
+export async function loadSince(tick: number): Promise<Recording | undefined> {
+  const response = await fetch(`since/${tick}`);
+  if (!response.ok) throw new Error(`the server answers ${response.status}`);
+  const bytes = await response.arrayBuffer();
+  return bytes.byteLength === 0 ? undefined : parse(bytes, true);
 }

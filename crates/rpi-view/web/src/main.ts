@@ -1,14 +1,18 @@
 // Page that shows a recording: the cell in 3D, charts, a timeline, and the program.
 
-import { Chart, type ChartContent, button } from "./chart";
+import { button } from "./button";
+import { Chart, type ChartContent } from "./chart";
 import { ConditionError, condition, search } from "./condition";
 import { type Flow, type Recording, load } from "./document";
-import { shownEvents } from "./events";
+import { type ShownEvent, shownEvents } from "./events";
+import { LiveRun, shownBefore } from "./live";
+import { NetPanel } from "./net/panel";
 import { CommandColours } from "./palette";
 import { EventsPanel, ProgramPanel, ValuesPanel } from "./panels";
 import { CellView } from "./scene";
 import { ViewState, timeText } from "./state";
 import { Timeline } from "./timeline";
+import { WhyPanel } from "./why";
 
 /** Maximum number of lines in a chart. */
 const MAX_LINES = 12;
@@ -59,9 +63,19 @@ function lineLabel(flow: Flow): string {
 /** The charts of the page, in a column. */
 class Charts {
   private readonly host = element("charts");
+  private readonly titles = new Set<string>();
 
   constructor(private readonly state: ViewState) {
-    firstCharts(state.recording).forEach((content) => this.add(content));
+    this.addNew();
+  }
+
+  /** Adds charts for the flows with which the page opens, except those that it has had. */
+  addNew(): void {
+    for (const content of firstCharts(this.state.recording)) {
+      if (this.titles.has(content.title)) continue;
+      this.titles.add(content.title);
+      this.add(content);
+    }
   }
 
   add(content: ChartContent): Chart {
@@ -70,14 +84,18 @@ class Charts {
     return chart;
   }
 
-  plot(flow: Flow): void {
-    const { element } = this.add({ title: flow.id.replace(/^\//, ""), lines: [{ flow, label: lineLabel(flow), measured: false, colour: 0 }] });
+  /** Adds a chart with flows and scrolls to it. */
+  plot(flows: Flow[]): void {
+    const lines = flows.slice(0, MAX_LINES).map((flow, k) => ({ flow, label: lineLabel(flow), measured: false, colour: k }));
+    if (flows.length === 0) return;
+    const title = flows.length === 1 ? flows[0]!.id : flows[0]!.family;
+    const { element } = this.add({ title: title.replace(/^\//, ""), lines });
     element.scrollIntoView({ block: "nearest" });
   }
 }
 
-/** Tabs of the panels with text. */
-function tabs(names: string[], opened: Record<string, () => void>): void {
+/** Tabs that show one panel of several. Returns the function that opens one. */
+function tabs(names: string[], opened: Record<string, () => void>, first = names[0]!): (name: string) => void {
   const select = (name: string) => {
     for (const other of names) {
       const tab = element(`tab-${other}`);
@@ -100,7 +118,17 @@ function tabs(names: string[], opened: Record<string, () => void>): void {
       element(`tab-${next}`).focus();
     });
   });
-  select(names[0]!);
+  select(first);
+  return select;
+}
+
+/** Button that shows the cell or the net in place of the charts. */
+function enlarge(): void {
+  const press = element<HTMLButtonElement>("enlarge");
+  press.addEventListener("click", () => {
+    const isLarge = document.querySelector("main")!.classList.toggle("large");
+    press.setAttribute("aria-pressed", String(isLarge));
+  });
 }
 
 /** Slider, buttons and keys that move through the recording. */
@@ -112,10 +140,13 @@ class Transport {
 
   constructor(
     private readonly state: ViewState,
-    private readonly eventTicks: number[],
+    private readonly events: ShownEvent[],
   ) {
-    const { first, last } = state.recording;
-    Object.assign(this.slider, { min: String(first), max: String(last), step: "1", value: String(first) });
+    this.setEnds();
+    state.onGrow(() => {
+      this.setEnds();
+      this.update();
+    });
     this.slider.addEventListener("input", () => state.seek(Number(this.slider.value)));
     this.play.addEventListener("click", () => this.toggle());
     const press = (id: string, action: () => void) => element(id).addEventListener("click", action);
@@ -129,14 +160,19 @@ class Transport {
     this.update();
   }
 
+  private setEnds(): void {
+    const { first, last } = this.state.recording;
+    Object.assign(this.slider, { min: String(first), max: String(last), step: "1" });
+  }
+
   private step(ticks: number): void {
     this.state.seek(this.state.tick + ticks);
   }
 
   private toEvent(direction: 1 | -1): void {
     const { tick } = this.state;
-    const next = direction > 0 ? this.eventTicks.find((t) => t > tick) : this.eventTicks.findLast((t) => t < tick);
-    if (next !== undefined) this.state.seek(next);
+    const next = direction > 0 ? this.events.find((event) => event.tick > tick) : this.events.findLast((event) => event.tick < tick);
+    if (next) this.state.seek(next.tick);
   }
 
   private key(event: KeyboardEvent): void {
@@ -250,6 +286,7 @@ function legend(colours: CommandColours, state: ViewState): void {
     );
   fill();
   state.onTheme(fill);
+  state.onGrow(fill);
 }
 
 function cell(state: ViewState, colours: CommandColours): CellView | undefined {
@@ -285,30 +322,80 @@ function summary(recording: Recording): void {
   const notes = [`${recording.last + 1 - recording.first} cycles, ${seconds}`, ...head.arms.map((arm) => `${arm.name}: ${arm.model}`)];
   if (head.lost > 0) notes.push(`${head.lost} ticks lost`);
   if (head.cut !== null) notes.push(`cut off: ${head.cut}`);
+  if (head.live) notes.push("the run goes on");
   if (!head.exact) notes.push("values rounded to 31 bits");
   element("summary").textContent = notes.join(" · ");
+}
+
+/** The net of a command, the causes of values, and what leads from one to the other. */
+function netAndCauses(state: ViewState, charts: Charts, panels: { program: ProgramPanel; values: ValuesPanel }, openText: (name: string) => void): { net: NetPanel; why: WhyPanel } {
+  const { recording } = state;
+  const why: WhyPanel = new WhyPanel(element("panel-why"), state, (command, flow, file, line) => {
+    net.show(command, flow);
+    if (file !== null && line !== null) panels.program.showLine(file, line);
+  });
+  const net = new NetPanel(element("panel-net"), state, {
+    showLine: (file, line) => panels.program.showLine(file, line),
+    why: (command, flow) => {
+      openText("why");
+      void why.ask(command, flow);
+    },
+    plot: async (recorded, name) => {
+      if (recorded.length > 0) return charts.plot(recorded);
+      charts.plot(await recording.loadFlow(name));
+      panels.values.flowsChanged();
+    },
+  });
+  return { net, why };
+}
+
+/** Follows a run that goes on. */
+function live(state: ViewState, parts: { colours: CommandColours; events: ShownEvent[]; charts: Charts; values: ValuesPanel }): void {
+  const { recording } = state;
+  const grown = (hasNewFlows: boolean) => {
+    parts.colours.add(commandNames(recording));
+    parts.events.splice(0, Infinity, ...shownEvents(recording));
+    if (hasNewFlows) {
+      parts.charts.addNew();
+      parts.values.flowsChanged();
+    }
+    summary(recording);
+    state.grown();
+  };
+  new LiveRun(element("live"), state, grown, (text) => (element("summary").textContent = text));
+}
+
+function commandNames(recording: Recording): string[] {
+  return recording.head.activity.filter((a) => a.path === "").map((a) => a.command);
 }
 
 async function main(): Promise<void> {
   const recording = await load();
   summary(recording);
   const state = new ViewState(recording);
-  const colours = new CommandColours(recording.head.activity.filter((a) => a.path === "").map((a) => a.command));
+  const colours = new CommandColours(commandNames(recording));
   const events = shownEvents(recording);
   const charts = new Charts(state);
-  const values = new ValuesPanel(element("panel-values"), state, (flow) => charts.plot(flow));
+  const values = new ValuesPanel(element("panel-values"), state, (flow) => charts.plot([flow]));
   const list = new EventsPanel(element("panel-events"), state, events);
   const program = new ProgramPanel(element("panel-program"), state, colours);
-  tabs(["program", "values", "events"], { program: () => program.opened(), values: () => values.opened(), events: () => list.opened() });
+  const opened = { program: () => program.opened(), values: () => values.opened(), events: () => list.opened() };
+  const openText = tabs(["program", "values", "events", "why"], opened);
   new Timeline(element("timeline"), state, colours, events);
-  new Transport(state, [...new Set(events.map((event) => event.tick))]);
+  new Transport(state, events);
   breakpoints(state);
   themes(state);
   legend(colours, state);
+  const { net } = netAndCauses(state, charts, { program, values }, openText);
   const view = cell(state, colours);
+  tabs(["cell", "net"], { net: () => net.opened() }, recording.head.arms.length > 0 ? "cell" : "net");
+  enlarge();
+  if (recording.isLive) live(state, { colours, events, charts, values });
+  const tick = shownBefore();
+  if (tick !== undefined) state.seek(tick);
   element("page").dataset.ready = "true";
   // Entry for scripts and tests.
-  Object.assign(window, { rpiView: { recording, state, cell: view } });
+  Object.assign(window, { rpiView: { recording, state, cell: view, net } });
 }
 
 main().catch((error: unknown) => {

@@ -25,7 +25,14 @@ export class CommandColours {
   private readonly numbers = new Map<string, number>();
 
   constructor(names: Iterable<string>) {
+    this.add(names);
+  }
+
+  /** Gives colours to further commands. Returns whether there are any. */
+  add(names: Iterable<string>): boolean {
+    const before = this.numbers.size;
     for (const name of names) if (!this.numbers.has(name)) this.numbers.set(name, this.numbers.size);
+    return this.numbers.size > before;
   }
 
   of(command: string): string {

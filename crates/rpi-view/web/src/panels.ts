@@ -12,6 +12,7 @@ const MAX_ROWS = 400;
 export class ValuesPanel {
   private readonly body = document.createElement("tbody");
   private readonly note = document.createElement("p");
+  private readonly filter = document.createElement("input");
   private shown: { flow: Flow; value: HTMLElement; text: string }[] = [];
 
   constructor(
@@ -19,7 +20,7 @@ export class ValuesPanel {
     private readonly state: ViewState,
     private readonly plot: (flow: Flow) => void,
   ) {
-    const filter = document.createElement("input");
+    const { filter } = this;
     filter.type = "search";
     filter.placeholder = "Filter flows";
     filter.setAttribute("aria-label", "Filter flows");
@@ -73,10 +74,17 @@ export class ValuesPanel {
   opened(): void {
     this.update();
   }
+
+  /** Lists the flows anew after some were added. */
+  flowsChanged(): void {
+    this.list(this.filter.value);
+  }
 }
 
 /** List of events; each leads to its tick. */
 export class EventsPanel {
+  private readonly list = document.createElement("ol");
+  private readonly note = document.createElement("p");
   private readonly items: HTMLButtonElement[] = [];
   private current = -1;
 
@@ -85,22 +93,28 @@ export class EventsPanel {
     private readonly state: ViewState,
     private readonly events: ShownEvent[],
   ) {
-    const list = document.createElement("ol");
-    list.className = "events";
-    for (const event of events.slice(0, MAX_ROWS)) {
+    this.list.className = "events";
+    panel.append(this.list, this.note);
+    this.fill();
+    state.onTick(() => this.update());
+    state.onGrow(() => this.fill());
+  }
+
+  /** Adds the events that are not listed yet. */
+  private fill(): void {
+    const { events, state } = this;
+    for (const event of events.slice(this.items.length, MAX_ROWS)) {
       const [item, press] = [document.createElement("li"), document.createElement("button")];
       press.type = "button";
       press.className = event.severity;
       press.textContent = `${timeText(state.seconds(event.tick), state.recording.tickSeconds)}  ${event.text}`;
       press.addEventListener("click", () => state.seek(event.tick));
       item.append(press);
-      list.append(item);
+      this.list.append(item);
       this.items.push(press);
     }
-    panel.append(list);
-    if (events.length > MAX_ROWS) panel.append(`${events.length - MAX_ROWS} more events: step through them with N and P`);
-    if (events.length === 0) panel.append("No events.");
-    state.onTick(() => this.update());
+    const more = events.length - MAX_ROWS;
+    this.note.textContent = more > 0 ? `${more} more events: step through them with N and P` : events.length === 0 ? "No events." : "";
     this.update();
   }
 
@@ -126,6 +140,7 @@ export class ProgramPanel {
   private readonly lines: HTMLElement[] = [];
   private readonly ranges = new Map<string, [number, number]>();
   private marked = "";
+  private chosen?: HTMLElement;
 
   constructor(
     private readonly panel: HTMLElement,
@@ -175,11 +190,28 @@ export class ProgramPanel {
         line.style.boxShadow = `inset 4px 0 ${this.colours.of(command)}`;
       });
     }
-    if (!this.panel.hidden) this.opened();
+    if (!this.panel.hidden && !this.chosen) this.opened();
   }
 
-  /** Scrolls to the first command that runs. */
+  /** Marks a line of a file and scrolls to it. Returns false if the file is another one than the program. */
+  showLine(file: string, number: number): boolean {
+    this.chosen?.removeAttribute("aria-current");
+    this.chosen = undefined;
+    const name = (path: string) => path.split(/[\\/]/).pop();
+    const line = this.lines[number - 1];
+    if (name(file) !== name(this.state.recording.head.program) || !line) return false;
+    this.chosen = line;
+    line.setAttribute("aria-current", "true");
+    this.panel.scrollTop = line.offsetTop - this.panel.clientHeight / 2;
+    return true;
+  }
+
+  /** Scrolls to the chosen line, or to the first command that runs. */
   opened(): void {
+    if (this.chosen) {
+      this.panel.scrollTop = this.chosen.offsetTop - this.panel.clientHeight / 2;
+      return;
+    }
     const line = this.lines.find((line) => line.className === "running");
     if (line) this.panel.scrollTop = line.offsetTop - 40;
   }

@@ -30,6 +30,8 @@ import type { ViewState } from "./state";
 
 /** Maximum number of points of the path of a tool. */
 const PATH_POINTS = 20_000;
+/** Time in s after which the path of a tool is drawn anew while a run goes on. */
+const PATH_AGE = 1;
 /** Length in m below which a link is shown without a capsule. */
 const SHORTEST = 1e-3;
 const JOINT_TOPIC = "joint.commanded_position";
@@ -137,6 +139,12 @@ class PathObject {
     this.lines.push(new Line(geometry(), faint), new Line(this.done, new LineBasicMaterial({ vertexColors: true })));
   }
 
+  /** Removes the path from a scene. */
+  dispose(scene: Scene): void {
+    scene.remove(...this.lines);
+    for (const line of this.lines) line.geometry.dispose();
+  }
+
   /** Shows the part of the path up to a tick in full colour. */
   update(tick: number): void {
     let [low, high] = [0, this.ticks.length];
@@ -176,7 +184,8 @@ export class CellView {
   private readonly renderer: WebGLRenderer;
   private readonly controls: OrbitControls;
   private readonly arms: ArmObject[];
-  private readonly paths: PathObject[];
+  private paths: PathObject[];
+  private pathsEnd = 0;
   private floor?: GridHelper;
   private drawPending = false;
 
@@ -192,7 +201,7 @@ export class CellView {
     const { head } = state.recording;
     this.arms = head.arms.map((arm) => new ArmObject(arm, state.recording));
     this.paths = head.arms.map((arm) => new PathObject(arm, state));
-    this.scene.add(...this.arms.map((arm) => arm.root), ...this.paths.flatMap((path) => path.lines));
+    for (const object of [...this.arms.map((arm) => arm.root), ...this.paths.flatMap((path) => path.lines)]) this.scene.add(object);
     const sun = new DirectionalLight(0xffffff, 2.2);
     sun.position.set(2, -3, 5);
     this.scene.add(new AmbientLight(0xffffff, 1.6), sun, new AxesHelper(0.25));
@@ -203,7 +212,22 @@ export class CellView {
     new ResizeObserver(() => this.resize()).observe(host);
     state.onTick(() => this.update());
     state.onTheme(() => this.theme());
+    state.onGrow(() => this.grow());
     this.theme();
+    this.update();
+  }
+
+  /** Draws the paths anew if a run has gone on by a second or more. */
+  private grow(): void {
+    const { head, last, tickSeconds } = this.state.recording;
+    if ((last - this.pathsEnd) * tickSeconds < PATH_AGE) return;
+    this.pathsEnd = last;
+    for (const path of this.paths) path.dispose(this.scene);
+    this.paths = head.arms.map((arm) => new PathObject(arm, this.state));
+    for (const path of this.paths) {
+      this.scene.add(...path.lines);
+      path.theme(this.colours);
+    }
     this.update();
   }
 
@@ -273,7 +297,8 @@ export class CellView {
     this.drawPending = true;
     requestAnimationFrame(() => {
       this.drawPending = false;
-      this.renderer.render(this.scene, this.camera);
+      // The cell is not shown while the net is. It is drawn when it gets a size again.
+      if (this.host.clientWidth > 0) this.renderer.render(this.scene, this.camera);
     });
   }
 }

@@ -4,20 +4,60 @@ import type { Recording } from "./document";
 
 type Listener = () => void;
 
+/** Time in s that is visible while a run is followed, if it was not changed. */
+const FOLLOWED = 10;
+
 /** The shown tick and the visible range of ticks. Parts of the page are notified of changes in the next frame. */
 export class ViewState {
   private tickListeners: Listener[] = [];
   private rangeListeners: Listener[] = [];
   private themeListeners: Listener[] = [];
+  private growListeners: Listener[] = [];
   private pending = new Set<Listener>();
   private current: number;
   private visible: [number, number];
   /** Script time of the last update in ms, for the tests. */
   updateMs = 0;
+  /** Whether the shown tick is the last one of a run that goes on. */
+  private follows: boolean;
 
   constructor(readonly recording: Recording) {
-    this.current = recording.first;
+    this.follows = recording.isLive;
+    this.current = this.follows ? recording.last : recording.first;
     this.visible = [recording.first, recording.last + 1];
+    if (this.follows) this.showEnd();
+  }
+
+  get isFollowing(): boolean {
+    return this.follows;
+  }
+
+  /** Shows the last tick of a run, and those that follow. */
+  follow(): void {
+    this.follows = true;
+    this.moveTo(this.recording.last);
+    this.showEnd();
+    this.schedule(this.tickListeners);
+  }
+
+  onGrow(listener: Listener): void {
+    this.growListeners.push(listener);
+  }
+
+  /** Notes that the run has gone on. */
+  grown(): void {
+    this.schedule(this.growListeners);
+    if (!this.follows) return;
+    this.moveTo(this.recording.last);
+    this.showEnd();
+  }
+
+  /** Makes the end of the run visible, with as much time as was visible before, at least some seconds. */
+  private showEnd(): void {
+    const width = Math.max(this.visible[1] - this.visible[0], FOLLOWED / this.recording.tickSeconds);
+    const end = this.recording.last + 1;
+    this.visible = [Math.max(this.recording.first, end - width), end];
+    this.schedule(this.rangeListeners);
   }
 
   get tick(): number {
@@ -44,8 +84,13 @@ export class ViewState {
     this.schedule(this.themeListeners);
   }
 
-  /** Shows a tick. The visible range moves so that it contains the tick. */
+  /** Shows a tick. The visible range moves so that it contains the tick. A run that goes on is no longer followed. */
   seek(tick: number): void {
+    this.follows = false;
+    this.moveTo(tick);
+  }
+
+  private moveTo(tick: number): void {
     const { first, last } = this.recording;
     const next = Math.min(last, Math.max(first, Math.round(tick)));
     if (next === this.current) return;

@@ -20,10 +20,10 @@ interface Row {
 export class Timeline {
   private readonly canvas = document.createElement("canvas");
   private readonly cursor = document.createElement("div");
-  private readonly lanes: Row[];
+  private lanes: Row[] = [];
   private rows: Row[] = [];
   /** Height in pixels. */
-  private readonly height: number;
+  private height = 0;
   private shownCommand = "";
 
   constructor(
@@ -35,19 +35,28 @@ export class Timeline {
     this.cursor.className = "cursor";
     this.canvas.setAttribute("aria-hidden", "true");
     host.append(this.canvas, this.cursor);
-    const { activity } = state.recording.head;
-    this.lanes = lanes(activity);
-    // Room for the rows of any command, so that the page does not move while the command changes.
-    const most = Math.max(...colours.names().map((command) => fragments(activity, command).length), 0);
-    this.height = (this.lanes.length + 1 + most) * ROW + 2;
-    host.style.height = `${this.height}px`;
+    this.makeRoom();
     host.addEventListener("pointerdown", (event) => this.drag(event));
     host.addEventListener("wheel", (event) => this.wheel(event), { passive: false });
     new ResizeObserver(() => this.draw()).observe(host);
     state.onTick(() => this.update());
     state.onRange(() => this.draw());
     state.onTheme(() => this.draw());
+    state.onGrow(() => {
+      this.makeRoom();
+      this.rows = [];
+      this.update();
+    });
     this.update();
+  }
+
+  private makeRoom(): void {
+    const { activity } = this.state.recording.head;
+    this.lanes = lanes(activity);
+    // Room for the rows of any command, so that the page does not move while the command changes.
+    const most = Math.max(...this.colours.names().map((command) => fragments(activity, command).length), 0);
+    this.height = (this.lanes.length + 1 + most) * ROW + 2;
+    this.host.style.height = `${this.height}px`;
   }
 
   private update(): void {

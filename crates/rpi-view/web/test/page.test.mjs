@@ -1,5 +1,5 @@
-// Tests of the page in Chromium. RPI_REPORTS is a folder with the reports `blending.html`, `lifting.html` and
-// `long.html`, RPI_VIEW_URL the address of `rpi view` for the recording of `blending`; `crates/rpi/tests/view.rs` makes
+// Tests of the page in Chromium. RPI_REPORTS is a folder with the reports `blending.html`, `lifting.html`, `long.html` and
+// `large.html`, RPI_VIEW_URL the address of `rpi view` for the recording of `blending`; `crates/rpi/tests/view.rs` makes
 // them.
 
 import assert from "node:assert/strict";
@@ -99,7 +99,7 @@ test("a condition leads to the cycle in which it begins to hold", async () => {
 test("a chart shows derivatives, and exports the visible range", async () => {
   const page = await open(browser, report("blending"));
   const chart = page.locator(".chart").first();
-  await chart.locator("select").selectOption("1");
+  await chart.locator(".orders button").nth(1).click();
   await seek(page, 3000);
   const [speed, difference] = await page.evaluate(() => {
     const flow = window.rpiView.recording.flow("/device/arm.joint.commanded_position[0]");
@@ -107,7 +107,7 @@ test("a chart shows derivatives, and exports the visible range", async () => {
   });
   assert.ok(Math.abs(speed - difference) < 1e-9);
   assert.equal(Number(await chart.locator("output").first().textContent()).toFixed(3), speed.toFixed(3));
-  await chart.locator("select").selectOption("0");
+  await chart.locator(".orders button").nth(0).click();
   await page.evaluate(() => window.rpiView.state.show(3000, 3050));
   const [download] = await Promise.all([page.waitForEvent("download"), chart.locator("button", { hasText: "CSV" }).click()]);
   const rows = readFileSync(await download.path(), "utf8").trim().split("\r\n");
@@ -129,6 +129,108 @@ test("the page of the server shows the recorded values exactly", { skip: !proces
   assert.deepEqual(page.errors, []);
   await page.close();
   await rounded.close();
+});
+
+/** Opens the net, at a tick. */
+async function openNet(page, tick) {
+  await page.click("#tab-net");
+  await seek(page, tick);
+  await page.locator("canvas.net").focus();
+}
+
+/** Text in the line below the net. */
+const details = (page) => page.textContent("#net-details");
+
+test("the net of the command at the cursor has values of all flows, lines, plots and causes", { skip: !process.env.RPI_VIEW_URL }, async () => {
+  const page = await open(browser, process.env.RPI_VIEW_URL);
+  const tick = await page.evaluate(() => window.rpiView.recording.head.activity.find((a) => a.command === "MoveToC" && a.path === "").spans[0][0] + 500);
+  await openNet(page, tick);
+  assert.match(await page.getAttribute("canvas.net", "aria-label"), /^Net of MoveToC/);
+  assert.equal(await page.evaluate(() => window.rpiView.net.shown.net.open.size), 0, "all boxes are closed at first");
+  await page.fill("[aria-label='Find a flow in the net']", "way.travelled");
+  await page.waitForFunction(() => /^way\.travelled \(flow\)  = \d/.test(document.getElementById("net-details").textContent));
+  const shown = Number(/= (\S+)/.exec(await details(page))[1]);
+  // The fragment opened, and the library is no file of the recording.
+  assert.equal(await page.evaluate(() => window.rpiView.net.shown.net.open.size), 1);
+  await page.locator("canvas.net").focus();
+  await page.keyboard.press("p");
+  await page.waitForFunction(() => [...document.querySelectorAll(".chart h3")].some((title) => title.textContent === "command/MoveToC.way.travelled"));
+  const plotted = await page.evaluate((tick) => window.rpiView.recording.flow("/command/MoveToC.way.travelled").at(tick), tick);
+  assert.ok(plotted > 0.001 && Math.abs(plotted - shown) < 1e-4, `${plotted} ${shown}`);
+  // Out of the fragment: its call is in the program.
+  await page.keyboard.press("Escape");
+  assert.match(await page.textContent(".source li[aria-current]"), /^ {2}way = Line/);
+  await page.keyboard.press("Enter");
+  assert.equal(await page.evaluate(() => window.rpiView.net.shown.net.open.size), 0);
+  await page.fill("[aria-label='Find a flow in the net']", "way.done");
+  await page.waitForFunction(() => /^way\.done \(flow\)  = false/.test(document.getElementById("net-details").textContent));
+  await page.locator("canvas.net").focus();
+  await page.keyboard.press("y");
+  await page.waitForSelector("#panel-why .why button");
+  const causes = await page.locator("#panel-why .why button").allTextContents();
+  assert.match(causes[0], /^way\.done = false (at|from) \d+\.\d+ s/);
+  assert.ok(causes.length > 1);
+  assert.deepEqual(page.errors, []);
+  await page.close();
+});
+
+test("fragments of a net are lit while they are active, also in a report", async () => {
+  const page = await open(browser, report("large"));
+  // F0 is active in every second cycle.
+  const isLit = () => page.evaluate(() => window.rpiView.net.values.isActive(window.rpiView.net.shown.net, "F0"));
+  await openNet(page, 1);
+  assert.equal(await isLit(), true);
+  await seek(page, 2);
+  assert.equal(await isLit(), false);
+  // A click selects a box; a double click opens it.
+  const centre = await page.evaluate(() => {
+    const { shown } = window.rpiView.net;
+    const box = shown.net.boxes[0].find((box) => box.name === "F0" && box.kind === "fragment");
+    const { x, y, w } = shown.layout.place(box);
+    const { left, top } = document.querySelector("canvas.net").getBoundingClientRect();
+    window.rpiView.net.bringIntoView(box);
+    const { camera } = shown;
+    return [left + (x + w / 2 - camera.x) * camera.scale, top + (y + 12 - camera.y) * camera.scale];
+  });
+  await page.mouse.click(...centre);
+  assert.match(await details(page), /^F0 \(fragment\).*inactive/);
+  await page.mouse.dblclick(...centre);
+  assert.equal(await page.evaluate(() => window.rpiView.net.shown.net.open.size), 1);
+  // A report has no server to ask for causes.
+  assert.equal(await page.locator("[data-action=why]").count(), 0);
+  assert.deepEqual(page.errors, []);
+  await page.close();
+});
+
+test("a net of 20 000 flows is moved and opened with at most 33 ms of script per frame", async () => {
+  const page = await open(browser, report("large"));
+  const client = await page.context().newCDPSession(page);
+  await client.send("Performance.enable", { timeDomain: "threadTicks" });
+  const metrics = async () => Object.fromEntries((await client.send("Performance.getMetrics")).metrics.map((m) => [m.name, m.value]));
+  await openNet(page, 1);
+  const flows = await page.evaluate(() => window.rpiView.net.shown.net.boxes.flat().filter((box) => box.flow !== null && box.kind === "flow").length);
+  assert.ok(flows >= 20_000, `${flows} flows`);
+  const frame = () => page.evaluate(() => new Promise((done) => requestAnimationFrame(() => requestAnimationFrame(done))));
+  // Select the first fragment, open it, show all, zoom, move on.
+  const keys = ["ArrowDown", "Enter", "f", "+", "+", "+", "ArrowDown", "Enter", "ArrowDown", "Enter", "f", "-", "+", "Enter"];
+  await page.fill("[aria-label='Find a flow in the net']", "F7");
+  await page.locator("canvas.net").focus();
+  let longest = 0;
+  for (const round of [0, 1, 2]) {
+    for (const key of keys) {
+      const before = await metrics();
+      await page.keyboard.press(key);
+      await frame();
+      const after = await metrics();
+      const each = (after.ScriptDuration - before.ScriptDuration + after.LayoutDuration - before.LayoutDuration) * 1e3;
+      // The first round includes the compilation of the script.
+      if (round > 0) longest = Math.max(longest, each);
+    }
+  }
+  console.log(`longest frame of a net of ${flows} flows: ${longest.toFixed(1)} ms of script and layout`);
+  assert.ok(longest > 0 && longest <= 33, `${longest} ms`);
+  assert.deepEqual(page.errors, []);
+  await page.close();
 });
 
 test("every control has a name, and both themes have enough contrast", async () => {
@@ -153,7 +255,8 @@ test("every control has a name, and both themes have enough contrast", async () 
       const style = getComputedStyle(document.documentElement);
       const of = (name) => luminance(style.getPropertyValue(name));
       const ratio = (a, b) => (Math.max(of(a), of(b)) + 0.05) / (Math.min(of(a), of(b)) + 0.05);
-      return ["--text", "--faint", "--warning", "--error", "--accent"].flatMap((name) => ["--back", "--panel"].map((back) => [name, back, ratio(name, back)]));
+      const names = ["--text", "--faint", "--warning", "--error", "--accent"];
+      return names.flatMap((name) => ["--back", "--panel", ...(name === "--text" || name === "--faint" ? ["--lit"] : [])].map((back) => [name, back, ratio(name, back)]));
     });
     // WCAG 2.2, success criterion 1.4.3.
     for (const [name, back, ratio] of contrasts) assert.ok(ratio >= 4.5, `${colorScheme}: ${name} on ${back}: ${ratio}`);

@@ -1,5 +1,5 @@
 // Takes the pictures of the book from reports of the examples: `node test/shots.mjs FOLDER`, with the reports
-// `lifting.html` and `blending.html` in RPI_REPORTS.
+// `lifting.html` and `blending.html` in RPI_REPORTS, and the address of `rpi view` for a recording of blending in RPI_VIEW_URL.
 
 import { join } from "node:path";
 import { pathToFileURL } from "node:url";
@@ -8,8 +8,10 @@ import { launch, open, seek } from "./browser.mjs";
 const [folder] = process.argv.slice(2);
 const browser = await launch();
 
-async function shot(name, colorScheme, tick, prepare) {
-  const page = await open(browser, pathToFileURL(join(process.env.RPI_REPORTS, `${name}.html`)).href, { colorScheme });
+const report = (name) => pathToFileURL(join(process.env.RPI_REPORTS, `${name}.html`)).href;
+
+async function shot(name, colorScheme, tick, prepare, url = report(name)) {
+  const page = await open(browser, url, { colorScheme });
   await prepare(page);
   await seek(page, tick);
   await page.waitForTimeout(1000);
@@ -23,8 +25,20 @@ await shot("blending", "dark", 4200, async (page) => {
   // The velocity of one axis with its limits, around a takeover.
   await page.evaluate(() => window.rpiView.state.show(0, 13_000));
   const chart = page.locator(".chart").first();
-  await chart.locator("select").selectOption("1");
+  await chart.locator(".orders button").nth(1).click();
   await chart.locator(".legend button").first().dblclick();
   await page.click("#tab-events");
 });
+// The net of MoveToC while it can be taken over, with an open fragment.
+const net = async (page) => {
+  await page.click("#tab-net");
+  await page.evaluate(() => window.rpiView.state.show(0, 13_000));
+  await seek(page, 4000);
+  await page.evaluate(() => {
+    const { net } = window.rpiView;
+    net.show("MoveToC", "PastB.yes");
+    net.fit();
+  });
+};
+await shot("net", "light", 4000, net, process.env.RPI_VIEW_URL);
 await browser.close();

@@ -73,7 +73,7 @@ impl ActivityCollector {
                     command: image.name.clone(),
                     id: id.to_number(),
                     path: fragment.path.clone(),
-                    devices: devices(image),
+                    devices: actuated_devices(image),
                     spans: Vec::new(),
                 });
             }
@@ -95,7 +95,7 @@ impl ActivityCollector {
 }
 
 /// Returns the names of the devices with actuators that an image drives, in ascending order.
-fn devices(image: &Image) -> Vec<String> {
+pub(in crate::mcap) fn actuated_devices(image: &Image) -> Vec<String> {
     let names: BTreeSet<&str> = image
         .actuators
         .iter()

@@ -56,29 +56,76 @@ pub enum ColumnKind {
 }
 
 /// Builder of the columns of all topics.
-pub(super) struct ColumnBuilder<'a> {
-    cell: &'a Cell,
+#[derive(Default)]
+pub(in crate::mcap) struct ColumnBuilder {
     topics: Vec<(Arc<ViewTopic>, TopicColumns)>,
     values: usize,
 }
 
-impl<'a> ColumnBuilder<'a> {
-    pub(super) fn new(cell: &'a Cell) -> ColumnBuilder<'a> {
-        ColumnBuilder {
-            cell,
-            topics: Vec::new(),
-            values: 0,
+impl TopicColumns {
+    /// Returns the number of values.
+    pub(in crate::mcap) fn values(&self) -> usize {
+        self.columns.iter().map(|column| column.values.len()).sum()
+    }
+
+    /// Returns whether another topic has the same name and the same columns.
+    pub(in crate::mcap) fn is_like(&self, other: &TopicColumns) -> bool {
+        let names = |topic: &TopicColumns| -> Vec<(String, ColumnKind)> {
+            let columns = topic.columns.iter();
+            columns.map(|c| (c.name.clone(), c.kind)).collect()
+        };
+        self.name == other.name && names(self) == names(other)
+    }
+
+    /// Returns the values from a tick on.
+    pub(in crate::mcap) fn since(&self, tick: u64) -> TopicColumns {
+        let before = self
+            .ticks
+            .iter()
+            .map(|span| span.end.min(tick).saturating_sub(span.start));
+        let first = usize::try_from(before.sum::<u64>()).unwrap_or(usize::MAX);
+        let later = self.ticks.iter().filter(|span| span.end > tick);
+        TopicColumns {
+            name: self.name.clone(),
+            ticks: later.map(|span| span.start.max(tick)..span.end).collect(),
+            columns: self
+                .columns
+                .iter()
+                .map(|column| column.since(first))
+                .collect(),
         }
     }
 
+    /// Adds values of later ticks of the same topic.
+    pub(in crate::mcap) fn append(&mut self, more: TopicColumns) {
+        for span in more.ticks {
+            match self.ticks.last_mut().filter(|last| last.end == span.start) {
+                Some(last) => last.end = span.end,
+                None => self.ticks.push(span),
+            }
+        }
+        for (column, more) in self.columns.iter_mut().zip(more.columns) {
+            let rows = column.values.len();
+            column.values.extend(more.values);
+            column.integers.extend(more.integers);
+            let absent = more.absent.into_iter();
+            column
+                .absent
+                .extend(absent.map(|span| span.start + rows..span.end + rows));
+        }
+    }
+}
+
+impl ColumnBuilder {
     /// Adds the values of the tick with the number `tick`. Returns an error if there are too many values.
-    pub(super) fn add(
+    pub(in crate::mcap) fn add(
         &mut self,
+        cell: &Cell,
         tick: u64,
         messages: &[ViewMessage<'_>],
     ) -> Result<(), RecordingError> {
         for message in messages {
-            let at = self.topic(message.topic());
+            let at = self.topic(cell, message.topic());
             let topic = &mut self.topics[at].1;
             // Two commands with the same image have one topic: the first one is shown.
             if topic.ticks.last().is_some_and(|last| last.end > tick) {
@@ -105,10 +152,10 @@ impl<'a> ColumnBuilder<'a> {
     }
 
     /// Returns the index of the columns of a topic, which are created if they do not exist.
-    fn topic(&mut self, topic: &Arc<ViewTopic>) -> usize {
+    fn topic(&mut self, cell: &Cell, topic: &Arc<ViewTopic>) -> usize {
         let known = self.topics.iter().position(|(t, _)| Arc::ptr_eq(t, topic));
         known.unwrap_or_else(|| {
-            let columns = topic.fields().iter().flat_map(|f| columns_of(self.cell, f));
+            let columns = topic.fields().iter().flat_map(|f| columns_of(cell, f));
             let columns = TopicColumns {
                 name: topic.encoded.name.clone(),
                 ticks: Vec::new(),
@@ -119,7 +166,7 @@ impl<'a> ColumnBuilder<'a> {
         })
     }
 
-    pub(super) fn finish(self) -> Vec<TopicColumns> {
+    pub(in crate::mcap) fn finish(self) -> Vec<TopicColumns> {
         self.topics
             .into_iter()
             .map(|(_, columns)| columns)
@@ -128,6 +175,21 @@ impl<'a> ColumnBuilder<'a> {
 }
 
 impl Column {
+    /// Returns the values from a row on.
+    fn since(&self, row: usize) -> Column {
+        let absent = self.absent.iter().filter(|span| span.end > row);
+        Column {
+            name: self.name.clone(),
+            kind: self.kind,
+            unit: self.unit.clone(),
+            values: self.values.get(row..).unwrap_or_default().to_vec(),
+            integers: self.integers.get(row..).unwrap_or_default().to_vec(),
+            absent: absent
+                .map(|span| span.start.max(row) - row..span.end - row)
+                .collect(),
+        }
+    }
+
     fn push(&mut self, word: Option<u64>) {
         let row = self.values.len();
         if self.kind == ColumnKind::Int {
@@ -285,6 +347,51 @@ mod tests {
             names(&with_unit)[1],
             ("speed[1]".to_owned(), "m/s".to_owned())
         );
+    }
+
+    #[test]
+    fn values_since_a_tick_can_be_appended_to_the_earlier_ones() {
+        let values = [Some(1), None, None, Some(4), Some(5)];
+        let mut column = columns_of(&cell(), &field("a", Type::Scalar(Scalar::Int))).remove(0);
+        values.into_iter().for_each(|word| column.push(word));
+        let all = TopicColumns {
+            name: "/command/M".to_owned(),
+            ticks: vec![10..13, 20..22],
+            columns: vec![column],
+        };
+        for (from, rows) in [(0, 5), (10, 5), (12, 3), (15, 2), (21, 1), (22, 0)] {
+            let later = all.since(from);
+            assert_eq!(later.values(), rows, "{from}");
+            let mut earlier = all.clone();
+            earlier.ticks = all
+                .ticks
+                .iter()
+                .map(|s| s.start.min(from)..s.end.min(from))
+                .collect();
+            earlier.ticks.retain(|span| !span.is_empty());
+            let column = &mut earlier.columns[0];
+            column.values.truncate(5 - rows);
+            column.integers.truncate(5 - rows);
+            column.absent = column
+                .absent
+                .iter()
+                .map(|s| s.start.min(5 - rows)..s.end.min(5 - rows))
+                .collect();
+            column.absent.retain(|span| !span.is_empty());
+            assert!(earlier.is_like(&later));
+            earlier.append(later);
+            let present = |topic: &TopicColumns| {
+                topic.columns[0]
+                    .absent
+                    .iter()
+                    .cloned()
+                    .flatten()
+                    .collect::<Vec<_>>()
+            };
+            assert_eq!(earlier.ticks, all.ticks, "{from}");
+            assert_eq!(present(&earlier), present(&all), "{from}");
+            assert_eq!(earlier.columns[0].integers, [1, 0, 0, 4, 5], "{from}");
+        }
     }
 
     #[test]

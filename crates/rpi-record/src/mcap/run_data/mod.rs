@@ -10,6 +10,8 @@ mod watched;
 use std::ops::Range;
 
 pub use activity::FragmentActivity;
+pub(super) use activity::actuated_devices;
+pub(super) use columns::ColumnBuilder;
 pub use columns::{Column, ColumnKind, TopicColumns};
 
 use super::error::RecordingError;
@@ -23,7 +25,7 @@ use rpi_runtime::run::sampled_channels;
 use rpi_runtime::tick_log::LoggedTick;
 
 /// Content of a recording by flow: columns of numbers over ticks, events, and the arms of the cell.
-#[derive(Clone, PartialEq, Debug)]
+#[derive(Clone, PartialEq, Debug, Default)]
 pub struct RunData {
     /// Tick length in nanoseconds.
     pub tick_ns: u64,
@@ -56,17 +58,27 @@ impl Recording {
     /// Returns an error if a file of the recording is damaged or has changed since it was opened, and an error if the
     /// range has more values than fit into memory (2²⁶).
     pub fn run_data(&self, ticks: Range<u64>) -> Result<RunData, RecordingError> {
+        let mut run = self.values_by_flow(ticks)?;
+        run.activity = activity::replayed(self, &run.ticks)?;
+        Ok(run)
+    }
+
+    /// Returns the same as [`run_data`](Recording::run_data), without the activity of fragments, for which the recording is replayed.
+    ///
+    /// # Errors
+    /// As [`run_data`](Recording::run_data).
+    pub fn values_by_flow(&self, ticks: Range<u64>) -> Result<RunData, RecordingError> {
         let channels = sampled_channels(&self.cell, self.tick_ns);
         let mut names = NameTable::new(&self.cell, self.tick_ns);
         let mut table = TopicTable::new(Profile::Json, &channels);
         self.add_commands(&mut names, &mut table);
-        let mut columns = columns::ColumnBuilder::new(&self.cell);
+        let mut columns = ColumnBuilder::default();
         let mut recorded: Option<Range<u64>> = None;
         let mut add = |tick: &LoggedTick<'_>| {
             let all = recorded.get_or_insert(tick.number..tick.number);
             all.end = all.end.max(tick.number.saturating_add(1));
             match ticks.contains(&tick.number) {
-                true => columns.add(tick.number, &table.messages(tick, &names)),
+                true => columns.add(&self.cell, tick.number, &table.messages(tick, &names)),
                 false => Ok(()),
             }
         };
@@ -85,7 +97,7 @@ impl Recording {
         let within = recorded.start.max(ticks.start)..recorded.end.min(ticks.end);
         Ok(RunData {
             tick_ns: self.tick_ns,
-            activity: activity::replayed(self, &within)?,
+            activity: Vec::new(),
             ticks: within,
             program: self.program.clone(),
             source: self.source.clone(),

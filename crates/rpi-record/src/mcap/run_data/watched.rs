@@ -28,6 +28,15 @@ impl Recording {
         replaced
     }
 
+    /// Returns the flows that the recorded commands export: the name of the command and that of the flow.
+    pub fn exported_flows(&self) -> impl Iterator<Item = (&str, &str)> {
+        let images = self.images.iter();
+        images.flat_map(|image| {
+            let exports = image.exports.iter();
+            exports.map(|export| (image.name.as_str(), export.key.as_str()))
+        })
+    }
+
     /// Returns the text of the program that was run; `None` if the recording has none.
     #[must_use]
     pub fn source(&self) -> Option<&str> {
