@@ -143,6 +143,8 @@ const details = (page) => page.textContent("#net-details");
 
 test("the net of the command at the cursor has values of all flows, lines, plots and causes", { skip: !process.env.RPI_VIEW_URL }, async () => {
   const page = await open(browser, process.env.RPI_VIEW_URL);
+  // The server replays the whole recording for a plot, which takes its time without optimisation on a busy machine.
+  page.setDefaultTimeout(180_000);
   const tick = await page.evaluate(() => window.rpiView.recording.head.activity.find((a) => a.command === "MoveToC" && a.path === "").spans[0][0] + 500);
   await openNet(page, tick);
   assert.match(await page.getAttribute("canvas.net", "aria-label"), /^Net of MoveToC/);
