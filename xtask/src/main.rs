@@ -113,8 +113,8 @@ fn generate(_: &[String]) -> Result<(), TaskError> {
 }
 
 /// Carries out `cargo xtask soak`: runs tests with much larger parameters than in the test suite. These are random
-/// programs, the core and its model, a million takeovers of two arms, an hour of misbehaving clients, and a day of
-/// blending.
+/// programs, the core and its model, a million takeovers of two arms, all runs of the jobs, an hour of misbehaving clients,
+/// and a day of blending.
 fn soak(_: &[String]) -> Result<(), TaskError> {
     cargo_test(
         &["-p", "rpi-reference", "--test", "properties"],
@@ -128,6 +128,7 @@ fn soak(_: &[String]) -> Result<(), TaskError> {
         &["-p", "rpi", "--test", "soak"],
         ("RPI_TAKEOVERS", TAKEOVERS),
     )?;
+    cargo_test(&["-p", "rpi", "--test", "jobs"], ("RPI_JOBS", "all"))?;
     cargo_test(&["-p", "rpi-serve", "--test", "chaos"], ("RPI_CHAOS", HOUR))?;
     cargo_test(&["-p", "rpi", "--test", "endless"], ("RPI_ENDLESS", DAY))
 }

@@ -229,8 +229,7 @@ fn dependencies(image: &Image, units: &[Unit]) -> Vec<Vec<u32>> {
         let mut accesses = Vec::new();
         unit_accesses(image, unit, &mut accesses);
         for access in accesses {
-            for slot in access.slots.start..access.slots.end() {
-                let users = &mut users[slot as usize];
+            for users in &mut users[access.slots.range()] {
                 before.extend(users.writer);
                 if access.writes {
                     before.append(&mut users.readers);
@@ -243,8 +242,7 @@ fn dependencies(image: &Image, units: &[Unit]) -> Vec<Vec<u32>> {
         if has_effect(image, unit) {
             before.extend(effect.replace(k));
         }
-        before.retain(|other| *other != k);
-        let mut seen = HashSet::new();
+        let mut seen = HashSet::from([k]);
         before.retain(|other| seen.insert(*other));
         all.push(before);
     }

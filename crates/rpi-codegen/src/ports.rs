@@ -216,39 +216,33 @@ impl Builder<'_> {
         self.interface.fields.push(field);
     }
 
+    /// Adds a field with a single value.
+    fn single(
+        &mut self,
+        direction: Direction,
+        name: impl Into<String>,
+        ty: CType,
+        meaning: Meaning,
+        text: &str,
+    ) {
+        self.add(Field::new(direction, name, ty, 1, meaning, text));
+    }
+
     fn external(&mut self, name: &str, (signal, unit): (Signal, &str), text: &str) {
         let object = self.slots.object(signal.start);
-        let known = self
-            .interface
-            .name(Direction::Input, Meaning::External(object.start));
-        if known.is_none() {
+        let meaning = Meaning::External(object.start);
+        if self.interface.name(Direction::Input, meaning).is_none() {
             let (ty, len) = (self.slots.ty(object.start), object.len);
             let text = format!("{text}: {}", signal.ty);
-            self.add(
-                Field::new(
-                    Direction::Input,
-                    name,
-                    ty,
-                    len,
-                    Meaning::External(object.start),
-                    text,
-                )
-                .with_unit(unit),
-            );
+            let field = Field::new(Direction::Input, name, ty, len, meaning, text);
+            self.add(field.with_unit(unit));
         }
         if signal.present > TRUE {
             let name = format!("{name}_present");
             let meaning = Meaning::ExternalPresence(signal.present);
             if self.interface.name(Direction::Input, meaning).is_none() {
                 let text = "whether there is a value in this cycle";
-                self.add(Field::new(
-                    Direction::Input,
-                    name,
-                    CType::Bool,
-                    1,
-                    meaning,
-                    text,
-                ));
+                self.single(Direction::Input, name, CType::Bool, meaning, text);
             }
         }
     }
@@ -290,14 +284,13 @@ impl Builder<'_> {
             && results.iter().any(|r| r.kind == CommandEndKind::Yield)
         {
             let text = "whether a successor takes over if the command yields";
-            self.add(Field::new(
+            self.single(
                 Direction::Input,
                 "has_successor",
                 CType::Bool,
-                1,
                 Meaning::HasSuccessor,
                 text,
-            ));
+            );
         }
     }
 
@@ -313,14 +306,13 @@ impl Builder<'_> {
                 }
                 let (suffix, text) = response_name(*response);
                 let name = format!("{}_{suffix}", port_text(&actuator.port));
-                self.add(Field::new(
+                self.single(
                     Direction::Input,
                     name,
                     response_type(*response),
-                    1,
                     meaning,
                     text,
-                ));
+                );
             }
         }
     }
@@ -329,29 +321,19 @@ impl Builder<'_> {
         for (k, export) in (0..).zip(&image.exports) {
             let ty = CType::of_type(export.value.ty);
             let text = format!("flow `{}`: {}", export.key, export.value.ty);
-            let len = export.value.ty.slots();
-            self.add(
-                Field::new(
-                    Direction::Output,
-                    &export.key,
-                    ty,
-                    len,
-                    Meaning::Export(k),
-                    text,
-                )
-                .with_unit(&export.unit),
-            );
+            let (len, meaning) = (export.value.ty.slots(), Meaning::Export(k));
+            let field = Field::new(Direction::Output, &export.key, ty, len, meaning, text);
+            self.add(field.with_unit(&export.unit));
             if export.value.present != TRUE {
                 let name = format!("{}_present", export.key);
                 let text = "whether the flow has a value in this cycle";
-                self.add(Field::new(
+                self.single(
                     Direction::Output,
                     name,
                     CType::Bool,
-                    1,
                     Meaning::ExportPresence(k),
                     text,
-                ));
+                );
             }
         }
         for (k, actuator) in (0..).zip(&image.actuators) {
@@ -384,7 +366,7 @@ impl Builder<'_> {
     }
 
     fn end_field(&mut self, name: &str, ty: CType, meaning: Meaning, text: &str) {
-        self.add(Field::new(Direction::Output, name, ty, 1, meaning, text));
+        self.single(Direction::Output, name, ty, meaning, text);
     }
 
     fn set_point(&mut self, actuator: u32, port: &DevicePort, inputs: &[SlotRange]) {
@@ -405,13 +387,12 @@ impl Builder<'_> {
         ));
         let text = "whether there is a set-point in this cycle";
         let name = format!("{name}_present");
-        self.add(Field::new(
+        self.single(
             Direction::Output,
             name,
             CType::Bool,
-            1,
             Meaning::SetPointPresence(actuator),
             text,
-        ));
+        );
     }
 }

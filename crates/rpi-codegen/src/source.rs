@@ -310,8 +310,7 @@ fn part_functions(name: &str, bodies: &[String]) -> String {
 
 fn step_function(emitter: &Emitter<'_>, nodes: &[Node]) -> String {
     let name = emitter.options.name;
-    let mut text = String::new();
-    print(nodes, 1, &mut text);
+    let text = text_of(nodes);
     let mut head =
         format!("int32_t {name}_step({name}_state *s, const {name}_in *in, {name}_out *out) {{\n");
     head += "  rpi_context context = {0, 0};\n  rpi_context *const cx = &context;\n";

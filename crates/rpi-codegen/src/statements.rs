@@ -97,24 +97,20 @@ impl<'a> Emitter<'a> {
                 start,
                 len,
             } => {
-                let (image, Some(prim)) = (self.image, used_prim(self.image, prim)) else {
+                let Some(prim) = used_prim(self.image, prim) else {
                     return Vec::new();
                 };
-                let calls = calls(image, &prim.desc, form, SlotRange { start, len });
-                calls
-                    .iter()
-                    .flat_map(|call| self.run(prim, form, call))
-                    .collect()
+                let calls = calls(self.image, &prim.desc, form, SlotRange { start, len });
+                let lines = calls.iter().flat_map(|call| self.run(prim, form, call));
+                lines.collect()
             }
             Step::Copy { at, len } => self.copy(&copies(self.image, at, len)),
             Step::Skip { .. } => Vec::new(),
             Step::Reset { unless, fragment } => {
                 self.resets.insert(fragment);
                 let guard = self.variables.value(self.slots, unless, CType::Bool);
-                let name = self.options.name;
-                vec![format!(
-                    "if (!{guard}) {{\n  {name}_reset_{fragment}(s);\n}}"
-                )]
+                let call = format!("{}_reset_{fragment}(s);", self.options.name);
+                vec![format!("if (!{guard}) {{\n  {call}\n}}")]
             }
             Step::Actuate { actuator } => self.actuate(actuator),
             Step::Call { function } => self.call_device(function),
@@ -165,11 +161,8 @@ impl<'a> Emitter<'a> {
         match (function.expression, first_output) {
             (Some(expression), Some(slot)) => {
                 let value = self.expression(expression, &function, &arguments);
-                lines.push(self.assignment(
-                    slot,
-                    port_element(prim.desc.outputs[0].ty).into(),
-                    &value,
-                ));
+                let ty = port_element(prim.desc.outputs[0].ty).into();
+                lines.push(self.assignment(slot, ty, &value));
             }
             _ => {
                 lines.extend(self.declarations(call));

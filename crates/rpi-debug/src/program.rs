@@ -231,15 +231,11 @@ impl RecordedProgram {
         if compiled.has_errors() {
             let errors = compiled.diagnostics.iter();
             let errors = errors.filter(|diagnostic| diagnostic.severity() == Severity::Error);
+            let messages = errors.map(|diagnostic| diagnostic.message.clone());
+            let style = Style::for_stream(&std::io::stderr());
             return Err(RecordedProgramError::Diagnostics {
-                messages: errors
-                    .map(|diagnostic| diagnostic.message.clone())
-                    .collect(),
-                text: render(
-                    &compiled.diagnostics,
-                    &compiled.sources,
-                    Style::for_stream(&std::io::stderr()),
-                ),
+                messages: messages.collect(),
+                text: render(&compiled.diagnostics, &compiled.sources, style),
             });
         }
         match compiled.unknown_flows.first() {

@@ -101,13 +101,12 @@ fn break_cycles(count: usize, edges: &mut [Edge]) {
             *next += 1;
             let to = edges[k].to;
             match state[to] {
-                _ if edges[k].back => {}
                 Search::OnPath => edges[k].back = true,
-                Search::New => {
+                Search::New if !edges[k].back => {
                     state[to] = Search::OnPath;
                     path.push((to, 0));
                 }
-                Search::Done => {}
+                Search::New | Search::Done => {}
             }
         }
     }
@@ -120,9 +119,8 @@ fn levels(pins: &[LayerConstraint], edges: &[Edge]) -> Vec<usize> {
     let from = edges_from(pins.len(), edges);
     let forward = |v: usize| from[v].iter().map(|k| &edges[*k]).filter(|edge| !edge.back);
     let mut unread = vec![0; pins.len()];
-    for edge in edges.iter().filter(|edge| !edge.back) {
-        unread[edge.to] += 1;
-    }
+    let reads = edges.iter().filter(|edge| !edge.back);
+    reads.for_each(|edge| unread[edge.to] += 1);
     let reads: Vec<bool> = unread.iter().map(|count| *count > 0).collect();
     // Topological order: the graph is acyclic now.
     let mut ready: VecDeque<usize> = (0..pins.len()).filter(|v| !reads[*v]).collect();
@@ -140,9 +138,8 @@ fn levels(pins: &[LayerConstraint], edges: &[Edge]) -> Vec<usize> {
         level[v] = first.map_or(0, |first| first - 1);
     }
     let last = level.iter().max().copied().unwrap_or(0);
-    for v in (0..pins.len()).filter(|v| pins[*v] == LayerConstraint::Last) {
-        level[v] = last;
-    }
+    let at_end = (0..pins.len()).filter(|v| pins[*v] == LayerConstraint::Last);
+    at_end.for_each(|v| level[v] = last);
     level
 }
 

@@ -67,12 +67,8 @@ pub(crate) fn explain(
     question: &Question<'_>,
 ) -> Result<Explained, Box<dyn Error>> {
     let flow = question.flow;
-    let compiled = compiled_again(
-        recording,
-        &[flow.to_owned()],
-        question.program,
-        rpi_driver::lower_for_observation_in_tick,
-    )?;
+    let (watch, lower) = ([flow.to_owned()], rpi_driver::lower_for_observation_in_tick);
+    let compiled = compiled_again(recording, &watch, question.program, lower)?;
     let nets = compiled.nets().iter();
     let requested: Vec<(&AnalysedNet, String, PortRef)> =
         nets.flat_map(|net| requested_ports(net, flow)).collect();

@@ -63,10 +63,8 @@ impl History {
     /// Adds the values of a cycle that has been evaluated, before its delays are stored. The oldest cycles are dropped if there is no room.
     pub fn add(&mut self, instance: &Instance) {
         let fragments = instance.image().fragments.len();
-        let active: Box<[bool]> = (0..)
-            .map(|k| instance.is_active(k))
-            .take(fragments)
-            .collect();
+        let active = (0..).map(|k| instance.is_active(k));
+        let active: Box<[bool]> = active.take(fragments).collect();
         let mut words = vec![0; self.words].into_boxed_slice();
         let mut present = vec![false; self.places.len()].into_boxed_slice();
         for (k, &(signal, fragment, at)) in self.places.iter().enumerate() {
@@ -80,14 +78,13 @@ impl History {
         if self.frames.len() >= (MAX_WORDS / frame).max(2) {
             self.frames.pop_front();
         }
+        let fault = instance.fault();
         self.frames.push_back(Frame {
             cycle: instance.cycle(),
             words,
             present,
             active,
-            fault: instance
-                .fault()
-                .map(|fault| (fault.slot, fault_text(fault.code))),
+            fault: fault.map(|fault| (fault.slot, fault_text(fault.code))),
         });
     }
 
