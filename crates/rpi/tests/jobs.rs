@@ -49,7 +49,11 @@ fn every_job_ends_as_expected_within_30_s() {
     let makes_all = std::env::var("RPI_JOBS").is_ok_and(|jobs| jobs == "all");
     for job in jobs {
         let runs = runs(&job);
-        let step = if makes_all { 1 } else { runs.len().div_ceil(RUNS) };
+        let step = if makes_all {
+            1
+        } else {
+            runs.len().div_ceil(RUNS)
+        };
         for run in runs.into_iter().step_by(step) {
             let begin = Instant::now();
             assert_run(&program(&job), &run);
